@@ -103,6 +103,7 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
     std::optional<rig::record::HealthWatch> watch;
     if (!options.wear_model.empty()) {
         watch.emplace(options.wear_model);
+        result.judged_by = watch->learnt_from();
         rig::record::catch_up(*watch, ledger, rig::record::read_ledger(options.ledger, next.campaign));
     }
     const rig::Plan& mean = setup.scenario.mean;

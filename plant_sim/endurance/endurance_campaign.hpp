@@ -37,6 +37,7 @@ struct CampaignResult {
     rig::record::Summary last;                   ///< the newest maneuver, e.g. the aborted one
     std::optional<wear::WearingBrake> brake;     ///< as it is at the end
     rig::record::Health health;                  ///< of the brake; unknown without a model
+    std::string judged_by{};                     ///< what the model was learnt from
 };
 
 /// After each maneuver, with its number among `planned`.

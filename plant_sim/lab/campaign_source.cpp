@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
+#include "firmware/host/settings/config_directory.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
 namespace plant_sim::lab {
@@ -100,6 +102,25 @@ std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::pa
     campaigns.reserve(files.size());
     for (const std::filesystem::path& file : files) campaigns.push_back(load_campaign(file, "", off));
     return campaigns;
+}
+
+void PopulationOptions::add_to(CLI::App& verb) {
+    auto* const given =
+        settings::existing_file(verb.add_option("--model", model, "population.json of `wear population`, or model.json of `wear fit`"));
+    verb.add_flag("--assume-made-up", assume_made_up, "go by config/wear/population.json, which is made up: for demonstrations")->excludes(given);
+}
+
+wear::PopulationFile PopulationOptions::read() const {
+    if (model.empty() && !assume_made_up)
+        throw std::invalid_argument(
+            "no population of brakes like yours: learn one by `rig-lab wear population` and give it with --model; --assume-made-up goes by the "
+            "one of the installation, whose brakes are made up and say nothing about a real one");
+    return wear::read_population(model.empty() ? settings::config_directory() / "wear/population.json" : model);
+}
+
+void add_origin(CLI::App& verb, std::string& origin) {
+    verb.add_option("--origin", origin, "of the campaigns, 'measured ...' or 'made up ...' (default: what they say of themselves)")
+        ->check([](const std::string& text) { return wear::is_origin(text) ? std::string() : "an origin begins with 'measured' or 'made up'"; });
 }
 
 void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off) {

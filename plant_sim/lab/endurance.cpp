@@ -74,7 +74,8 @@ struct EnduranceCommand {
                         done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction, done.back().figures.mean_friction);
         }
         if (!wear_model.empty())
-            print_table(json_file, "  brake {}{}{}\n", name(result.health.state), result.health.reason.empty() ? "" : ": ", result.health.reason);
+            print_table(json_file, "  brake {}{}\n", name(result.health.state),
+                        result.health.reason.empty() ? ", judged by brakes " + result.judged_by : ": " + result.health.reason);
         const auto json = directory / "table.json";
         keep_json(json, json_file,
                   endurance::to_json({.scenario = setup.scenario.name, .config_hash = setup.config_hash, .version = ANTISKID_VERSION, .seed = seed},

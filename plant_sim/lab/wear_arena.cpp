@@ -17,8 +17,10 @@ namespace plant_sim::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Scores = std::array<wear::arena::Score, wear::arena::kEntrantNames.size()>;
+using wear::arena::Scores;
 
+constexpr std::array kForecasters{wear::arena::Entrant::past_lives, wear::arena::Entrant::filter, wear::arena::Entrant::shipped,
+                                  wear::arena::Entrant::oracle};
 constexpr const char* kMadeUp = "lives made up by the laws of plant_sim/wear/rival_laws.hpp";
 
 std::string table_of(const Scores& scores) {
@@ -39,8 +41,44 @@ std::string table_of(const Scores& scores) {
     };
     block("80 % holds", 2, &wear::arena::LeftScore::held);
     block("its width", 1, &wear::arena::LeftScore::width);
-    block("pinball", 2, &wear::arena::LeftScore::pinball);
+    block("CRPS", 2, &wear::arena::LeftScore::crps);
+    block("of skill", 2, &wear::arena::LeftScore::skill);
     return out;
+}
+
+/// Of landings left, over all tenths.
+std::string by_law(const std::vector<wear::arena::Law>& laws, const std::vector<Scores>& scores) {
+    std::string columns = "judged law:>14";
+    for (const wear::arena::Entrant e : kForecasters)
+        columns += fmt::format("|{}:>12.2f|skill:>8.2f", wear::arena::kEntrantNames.at(static_cast<std::size_t>(e)));
+    auto table = settings::TextTable::screen(columns);
+    for (std::size_t i = 0; i < laws.size(); ++i) {
+        table.add(wear::arena::kLawNames.at(static_cast<std::size_t>(laws[i])));
+        const auto crps = [&](wear::arena::Entrant e) {
+            double sum = 0.0;
+            for (const wear::arena::LeftScore& left : scores[i].at(static_cast<std::size_t>(e)).left) sum += left.crps;
+            return sum;
+        };
+        const double past = crps(wear::arena::Entrant::past_lives), oracle = crps(wear::arena::Entrant::oracle);
+        for (const wear::arena::Entrant e : kForecasters) {
+            double held = 0.0;
+            for (const wear::arena::LeftScore& left : scores[i].at(static_cast<std::size_t>(e)).left) held += left.held / wear::arena::kTenths;
+            table.add(held, (past - crps(e)) / (past - oracle));
+        }
+    }
+    return table.text();
+}
+
+std::string watch_table(const std::vector<wear::arena::Law>& laws, const std::vector<wear::arena::WatchScore>& watch) {
+    auto table = settings::TextTable::screen("found within 25:>16|10 %:>8.2f|5 %:>8.2f|false:>8.3f|difference 10 %:>18.2f|5 %:>8.2f|false:>8.3f");
+    for (std::size_t i = 0; i < laws.size(); ++i)
+        table.add(wear::arena::kLawNames.at(static_cast<std::size_t>(laws[i])), watch[i].watch.glazing_10, watch[i].watch.glazing_5,
+                  watch[i].watch.healthy, watch[i].difference.glazing_10, watch[i].difference.glazing_5, watch[i].difference.healthy);
+    return table.text();
+}
+
+Json json_of(const wear::arena::Found& f) {
+    return {{"healthy_called_abnormal", f.healthy}, {"glazing_10_found", f.glazing_10}, {"glazing_5_found", f.glazing_5}};
 }
 
 Json json_of(const Scores& scores) {
@@ -50,7 +88,8 @@ Json json_of(const Scores& scores) {
         Json& one = out[wear::arena::kEntrantNames.at(e)] = {{"crps", s.crps}, {"log_score", s.log_score}, {"pit_distance", s.pit}};
         if (!s.forecasts) continue;
         for (const wear::arena::LeftScore& k : s.left)
-            one["landings_left"].push_back({{"asked", k.asked}, {"coverage", k.held}, {"width_landings", k.width}, {"pinball_landings", k.pinball}});
+            one["landings_left"].push_back(
+                {{"asked", k.asked}, {"coverage", k.held}, {"width_landings", k.width}, {"crps_landings", k.crps}, {"skill", k.skill}});
     }
     return out;
 }
@@ -60,7 +99,7 @@ struct ArenaCommand {
     std::string seeds = "tuning";
     std::vector<std::string> laws{wear::arena::kLawNames.begin(), wear::arena::kLawNames.end()};
     std::size_t lives = 20;
-    std::size_t training_lives = 10;
+    std::size_t training_lives = 20;
     unsigned threads = wear::all_cores();
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
@@ -73,6 +112,7 @@ struct ArenaCommand {
                                .judged_seed = 0,
                                .training_lives = training_lives,
                                .judged_lives = lives,
+                               .watch = true,
                                .threads = threads};
         plan.judged_seed = seeds == "held_out" ? plan.settings.held_out : plan.settings.tuning;
         for (std::size_t i = 0; i < wear::arena::kLawNames.size(); ++i)
@@ -87,12 +127,27 @@ struct ArenaCommand {
                   {"first_seed", plan.judged_seed},
                   {"lives", lives},
                   {"training_lives", training_lives}};
+        const auto laws_json = [&](const std::vector<Scores>& scores) {
+            Json by;
+            for (std::size_t i = 0; i < plan.laws.size(); ++i)
+                by[wear::arena::kLawNames.at(static_cast<std::size_t>(plan.laws[i]))] = json_of(scores[i]);
+            return by;
+        };
         json["within_laws"] = json_of(result.within);
-        print_table(json_file, "Within laws, {} lives of each, {} to learn from; {}:\n{}", lives, training_lives, kMadeUp, table_of(result.within));
+        json["within_laws_by_law"] = laws_json(result.within_by_law);
+        print_table(json_file, "Within laws, {} lives of each, {} to learn from; {}:\n{}", lives, training_lives, kMadeUp,
+                    table_of(result.within) + by_law(plan.laws, result.within_by_law));
         if (result.across) {
             json["across_laws"] = json_of(*result.across);
-            print_table(json_file, "Across laws, trained on each other law in turn:\n{}", table_of(*result.across));
+            json["across_laws_by_law"] = laws_json(result.across_by_law);
+            print_table(json_file, "Across laws, trained on each other law in turn:\n{}",
+                        table_of(*result.across) + by_law(plan.laws, result.across_by_law));
         }
+        for (std::size_t i = 0; i < plan.laws.size(); ++i)
+            json["watch_by_law"][wear::arena::kLawNames.at(static_cast<std::size_t>(plan.laws[i]))] = {
+                {"watch", json_of(result.watch[i].watch)}, {"difference_of_means", json_of(result.watch[i].difference)}};
+        print_table(json_file, "Glazing found, limits from {} lives of the law, watch and difference of two means of ten:\n{}",
+                    wear::arena::kLimitLives, watch_table(plan.laws, result.watch));
         keep_json(out / "arena.json", json_file, json.dump(2) + "\n");
         print_table(json_file, "{} seeds, configuration {}\nWritten to {}: arena.json\n", seeds, hash, out.string());
         return 0;

@@ -38,6 +38,7 @@ struct FitCommand {
     std::filesystem::path source;
     std::string campaign;
     OutOfTolerance off = OutOfTolerance::left_out;
+    std::string origin;
     wear::FitSettings settings;
     unsigned threads = wear::all_cores();
     std::filesystem::path out = "out/wear";
@@ -45,11 +46,12 @@ struct FitCommand {
     bool pictures = true;
 
     int run() const {
-        const wear::Campaign data = load_campaign(source, campaign, off);
+        wear::Campaign data = load_campaign(source, campaign, off);
+        if (!origin.empty()) data.origin = origin;
         const wear::Fit fit = wear::fit(data, settings, {threads, {}, settings::step_progress("EM runs")});
         const wear::Model model = wear::model_of(data, fit, settings);
-        print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model), model.data.first_c_e_J * 1e-6,
-                    model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
+        print_table(json_file, "{}\nLearnt from a brake {}. Between {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model),
+                    model.data.origin, model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
         if (fit.best().components == settings.max_components && settings.max_components > 1)
             print_table(json_file, "The least BIC is at the most components allowed: the best order may lie beyond.\n");
         keep_json(out / "model.json", json_file, wear::to_json(model));
@@ -72,6 +74,7 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     settings::existing_path(verb->add_option("SOURCE", fit->source, "as for `wear table`"))->required();
     verb->add_option("--campaign", fit->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, fit->off);
+    add_origin(*verb, fit->origin);
     verb->add_option("--components", fit->settings.max_components, "the most that are tried")
         ->check(CLI::Range(std::size_t{1}, wear::kMaxComponents))
         ->capture_default_str();

@@ -19,7 +19,8 @@
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/study/json_number.hpp"
 #include "plant_sim/wear/back_test.hpp"
-#include "rig_bridge/wear/population_io.hpp"
+#include "rig_bridge/wear/json_object.hpp"
+#include "rig_bridge/wear/landings_forecast.hpp"
 
 namespace plant_sim::lab {
 
@@ -44,6 +45,11 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
     for (std::size_t q = 0; q < kNames.size(); ++q)
         table.add(kNames.at(q), landings(f.landings_left.at(q)), f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
     text += fmt::format("Landings left, {:.3f} MJ each on average:\n{}", energy_J * 1e-6, table.text());
+    constexpr double kDoubtful = 0.5;
+    if (f.alike < kDoubtful)
+        text += fmt::format(
+            "This brake does not go as those did (of their kind with a probability of {:.0f} %): it is given their lives, and little else.\n",
+            100.0 * f.alike);
     if (f.crossed_ever < 1.0)
         fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
                        f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
@@ -58,7 +64,7 @@ struct ForecastCommand {
     std::filesystem::path source;
     std::string campaign;
     OutOfTolerance off = OutOfTolerance::left_out;
-    std::filesystem::path model = settings::config_directory() / "wear/population.json";
+    PopulationOptions model;
     std::filesystem::path config = settings::config_directory();
     std::optional<double> limit;
     bool reserve = false;
@@ -67,6 +73,7 @@ struct ForecastCommand {
     std::optional<double> energy_MJ;
     std::size_t last = 0;
     wear::ForecastSettings settings;
+    std::string method = "shipped";
     std::filesystem::path back_test;
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
@@ -74,7 +81,7 @@ struct ForecastCommand {
 
     int run() {
         if (limit.has_value() == reserve) throw std::invalid_argument("say which limit: --limit MU or --reserve");
-        const wear::PopulationFile file = wear::read_population(model);
+        const wear::PopulationFile file = model.read();
         settings.limit = reserve ? reserve_friction() : *limit;
         if (!back_test.empty()) return run_back_test(file);
         if (source.empty()) throw std::invalid_argument("SOURCE is missing: the brake's campaign so far");
@@ -104,11 +111,12 @@ struct ForecastCommand {
     int run_forecast(const wear::PopulationFile& file) {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         const wear::LandingMix to_come = landings_to_come(recorded);
-        wear::BrakeFilter filter(file.population);
+        wear::LandingsForecast brake(file.population);
         const std::size_t n = recorded.points.size();
-        for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) filter.learn(recorded.points[i]);
-        const wear::Forecast f = wear::forecast(filter, recorded.points.back().c_e_J, to_come, settings);
-        print_table(json_file, "{}", text_of(f, settings, to_come));
+        for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) brake.learn(recorded.points[i]);
+        const wear::Forecast f =
+            method == "filter" ? wear::forecast(brake.filter(), recorded.points.back().c_e_J, to_come, settings) : brake.forecast(to_come, settings);
+        print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(f, settings, to_come));
         Json json = head(file);
         json["data_hash"] = wear::data_hash(recorded);
         json["maneuvers"] = n;
@@ -119,6 +127,8 @@ struct ForecastCommand {
         json["landings_to_come"] = std::move(mix_json);
         json["horizon"] = settings.horizon;
         json["draws"] = settings.draws;
+        json["method"] = method;
+        json["of_their_kind"] = f.alike;
         json["already_below"] = f.crossed_now;
         json["below_within_horizon"] = f.crossed_ever;
         json["extrapolated"] = f.extrapolated;
@@ -166,7 +176,8 @@ struct ForecastCommand {
         };
         for (const wear::BackTestRow& r : t.rows) add(r, fmt::format("{:.0f} %", 100.0 * r.share_of_life));
         add(t.pooled, "all");
-        print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}", brakes.size(), table.text());
+        print_table(json_file, "By brakes {}.\n{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}",
+                    file.population.provenance.sentence(), brakes.size(), table.text());
         if (without_end > 0) print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
         Json json = head(file);
         json["brakes"] = brakes.size();
@@ -177,7 +188,11 @@ struct ForecastCommand {
         return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
     }
     [[nodiscard]] Json head(const wear::PopulationFile& file) const {
-        Json json{{"version", ANTISKID_VERSION}, {"seed", settings.seed}, {"model_hash", file.hash}, {"limit", settings.limit}};
+        Json json{{"version", ANTISKID_VERSION},
+                  {"seed", settings.seed},
+                  {"model_hash", file.hash},
+                  {"learnt_from", wear::json_of(file.population.provenance)},
+                  {"limit", settings.limit}};
         if (!files_.empty()) json["config_hash"] = settings::hash(files_);
         return json;
     }
@@ -194,8 +209,7 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     settings::existing_path(verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`"));
     verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, f->off);
-    settings::existing_file(verb->add_option("--model", f->model, "population.json of `wear population`, or model.json of `wear fit`"))
-        ->capture_default_str();
+    f->model.add_to(*verb);
     auto* const limit = verb->add_option("--limit", f->limit, "mean friction")->check(CLI::Range(0.001, 1.5));
     verb->add_flag("--reserve", f->reserve, "the limit is where full pressure no longer gives the torque that a heavy stop on dry asphalt can use")
         ->excludes(limit);
@@ -206,6 +220,10 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
         ->check(CLI::Range(0.0, 0.99))
         ->capture_default_str();
     verb->add_option("--energy", f->energy_MJ, "MJ of each landing to come, instead")->check(CLI::Range(1e-4, 1e3))->excludes(mix);
+    settings::one_of(
+        verb->add_option("--method", f->method, "shipped: filter, past lives and calibration; filter: what the brake's own friction says, alone"),
+        {"shipped", "filter"})
+        ->capture_default_str();
     verb->add_option("--last", f->last, "learn from the newest N maneuvers only; 0: all")->capture_default_str();
     verb->add_option("--horizon", f->settings.horizon, "landings")->check(CLI::Range(1, 1'000'000))->capture_default_str();
     verb->add_option("--draws", f->settings.draws, "possible futures")->check(CLI::Range(100, 1'000'000))->capture_default_str();
@@ -219,9 +237,9 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     verb->add_flag("!--no-pictures", f->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"
-        "  rig-lab wear forecast out/endurance --limit 0.2\n"
-        "  rig-lab wear forecast measured.csv --reserve --mix light=0.5,medium=0.3,heavy=0.2\n"
-        "  rig-lab wear forecast --back-test campaigns/ --limit 0.2");
+        "  rig-lab wear forecast out/endurance --model mine.json --limit 0.2\n"
+        "  rig-lab wear forecast measured.csv --assume-made-up --reserve --mix light=0.5,medium=0.3,heavy=0.2\n"
+        "  rig-lab wear forecast --back-test campaigns/ --model mine.json --limit 0.2");
     return {verb, [f] { return f->run(); }};
 }
 

@@ -18,19 +18,23 @@ struct PopulationCommand {
     std::vector<std::filesystem::path> sources;
     std::vector<std::filesystem::path> healthy;
     OutOfTolerance off = OutOfTolerance::left_out;
+    std::string origin;
     wear::LearnSettings settings;
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
 
     int run() {
-        const std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
+        std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
+        if (!origin.empty())
+            for (wear::Campaign& c : campaigns) c.origin = origin;
         settings.healthy = load_campaigns(healthy, off);
         const wear::Population p = wear::learn_population(campaigns, settings, settings::step_progress("steps"));
         print_table(json_file,
-                    "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset of a brake {:.5f}, drift {:.6f} "
-                    "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden\n",
-                    p.source, std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered, p.scatter.memory, p.spread.offset,
-                    p.scatter.drift_per_root_MJ, p.spread.log_energy_scale, p.limits.gradual, p.limits.sudden);
+                    "Learnt from brakes {}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset of a brake "
+                    "{:.5f}, drift {:.6f} "
+                    "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden, {:.2f} trend\n",
+                    p.provenance.sentence(), std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered, p.scatter.memory,
+                    p.spread.offset, p.scatter.drift_per_root_MJ, p.spread.log_energy_scale, p.limits.gradual, p.limits.sudden, p.limits.trend);
         keep_json(out / "population.json", json_file, wear::to_json(p));
         print_table(json_file, "Written to {}: population.json\n", out.string());
         return 0;
@@ -55,6 +59,7 @@ LabVerb wear_population_verb(CLI::App& wear) {
         "--healthy", command->healthy,
         "campaigns of other brakes that were healthy: health limits are learnt from them (default: from the same brakes, each given the others)"));
     add_out_of_tolerance_flag(*verb, command->off);
+    add_origin(*verb, command->origin);
     verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")->capture_default_str();
     settings::add_threads(*verb, command->settings.threads);
     settings::add_json(*verb, command->json_file, "results");

@@ -16,6 +16,7 @@
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/study/torque_replay.hpp"
 #include "plant_sim/wear/resimulation.hpp"
+#include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim::lab {
@@ -68,11 +69,12 @@ struct SimulateCommand {
         nlohmann::ordered_json json{{"source", recorded.source},
                                     {"data_hash", wear::data_hash(recorded)},
                                     {"maneuvers", recorded.points.size()},
+                                    {"learnt_from", wear::json_of({learnt.data.origin, 1})},
                                     {"replay", by_torque ? "torque" : "energy"}};
         std::vector<std::filesystem::path> files{model};
         const wear::Campaign simulated = by_torque ? through_plant(recorded, learnt, files, json) : wear::resimulated(recorded, learnt, rule, seed);
         const wear::Comparison c = wear::compare(recorded, simulated, learnt, rule);
-        print_table(json_file, "{}", table_of(c));
+        print_table(json_file, "By a brake {}.\n{}", learnt.data.origin, table_of(c));
         const auto beyond =
             std::count_if(simulated.points.begin(), simulated.points.end(), [&](const wear::Point& p) { return learnt.extrapolates(p.c_e_J); });
         if (beyond > 0)

@@ -5,14 +5,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/wear/fault_trial.hpp"
-#include "rig_bridge/wear/population_io.hpp"
+#include "rig_bridge/wear/json_object.hpp"
 
 namespace plant_sim::lab {
 
@@ -24,7 +23,7 @@ struct WatchCommand {
     std::filesystem::path source;
     std::string campaign;
     OutOfTolerance off = OutOfTolerance::left_out;
-    std::filesystem::path model = settings::config_directory() / "wear/population.json";
+    PopulationOptions model;
     bool trial = false;
     std::uint64_t seed = 1;
     std::filesystem::path out = "out/wear";
@@ -32,7 +31,8 @@ struct WatchCommand {
     bool pictures = true;
 
     int run() const {
-        const wear::PopulationFile file = wear::read_population(model);
+        const wear::PopulationFile file = model.read();
+        print_table(json_file, "By brakes {}.\n", file.population.provenance.sentence());
         return trial ? run_trial(file) : watch(file);
     }
 
@@ -64,6 +64,7 @@ struct WatchCommand {
                     verdicts.back().statistic);
         const Json json{{"version", ANTISKID_VERSION},
                         {"model_hash", file.hash},
+                        {"learnt_from", wear::json_of(file.population.provenance)},
                         {"data_hash", wear::data_hash(recorded)},
                         {"health", wear::name(before)},
                         {"maneuvers", std::move(list)}};
@@ -108,6 +109,7 @@ struct WatchCommand {
             {"version", ANTISKID_VERSION},
             {"seed", seed},
             {"model_hash", file.hash},
+            {"learnt_from", wear::json_of(file.population.provenance)},
             {"healthy",
              {{"brakes", h.campaigns}, {"maneuvers", h.maneuvers}, {"flagged", h.flagged}, {"suspected_maneuvers", h.suspected_maneuvers}}},
             {"faults", std::move(rows)}};
@@ -128,8 +130,7 @@ LabVerb wear_watch_verb(CLI::App& wear) {
         ->required();
     verb->add_option("--campaign", watch->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, watch->off);
-    settings::existing_file(verb->add_option("--model", watch->model, "population.json of `wear population`, or model.json of `wear fit`"))
-        ->capture_default_str();
+    watch->model.add_to(*verb);
     verb->add_flag("--trial", watch->trial,
                    "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are flagged when they are put into the "
                    "same campaigns");
@@ -138,8 +139,8 @@ LabVerb wear_watch_verb(CLI::App& wear) {
     settings::add_out(*verb, watch->out, "directory of health.json and health.png, or watch_trial.json");
     verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
     verb->footer(
-        "Examples:\n  rig-lab wear watch runs/brake7\n  rig-lab wear watch measured.csv --model out/wear/model.json\n"
-        "  rig-lab wear watch --trial healthy/\n"
+        "Examples:\n  rig-lab wear watch runs/brake7 --model mine.json\n  rig-lab wear watch measured.csv --model out/wear/model.json\n"
+        "  rig-lab wear watch --trial healthy/ --model mine.json\n"
         "Exit status: 0 not abnormal, 1 abnormal, 2 mistake on the command line or in a file.");
     return {verb, [watch] { return watch->run(); }};
 }

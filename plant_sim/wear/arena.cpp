@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rig_bridge/wear/landings_forecast.hpp"
 #include "rig_bridge/wear/learn_population.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
@@ -13,8 +14,7 @@ namespace wear::arena {
 namespace {
 
 constexpr int kHorizon = 2000;
-constexpr int kDraws = 200;
-constexpr std::array kShares{0.1, 0.5, 0.9};
+constexpr std::size_t kDraws = 200;
 
 double density(double z) {
     return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
@@ -124,22 +124,26 @@ Trained train(const Plan& plan, Law law) {
     return t;
 }
 
-/// Landings left of a lognormal life that is longer than `landed`.
-Quantiles lognormal_left(const Trained& t, double landed) {
+/// A distribution of landings left: equally probable values, rising.
+using Left = std::vector<double>;
+
+/// Of a lognormal life that is longer than `landed`.
+Left lognormal_left(const Trained& t, double landed) {
     const boost::math::lognormal life(t.log_life, t.log_life_deviation);
     const double longer = boost::math::cdf(complement(life, landed));
-    Quantiles out{};
-    for (std::size_t q = 0; q < out.size(); ++q) out.at(q) = boost::math::quantile(complement(life, longer * (1.0 - kShares.at(q)))) - landed;
+    Left out(kDraws);
+    for (std::size_t i = 0; i < kDraws; ++i) {
+        const double share = (static_cast<double>(i) + 0.5) / kDraws;
+        out[i] = boost::math::quantile(complement(life, longer * (1.0 - share))) - landed;
+    }
     return out;
 }
 
 template <typename Draw>
-Quantiles quantiles_of(const Draw& draw) {
-    std::vector<int> all(kDraws);
-    for (int i = 0; i < kDraws; ++i) all[static_cast<std::size_t>(i)] = draw(i);
-    std::sort(all.begin(), all.end());
-    Quantiles out{};
-    for (std::size_t q = 0; q < out.size(); ++q) out.at(q) = all[static_cast<std::size_t>(kShares.at(q) * kDraws) - (q == 2 ? 1 : 0)];
+Left drawn_left(const Draw& draw) {
+    Left out(kDraws);
+    for (std::size_t i = 0; i < kDraws; ++i) out[i] = draw(i);
+    std::sort(out.begin(), out.end());
     return out;
 }
 
@@ -154,36 +158,28 @@ struct Tally {
         log_score += arena::log_score(c, x);
         pit.push_back(c.cumulative(x));
     }
-    void landings(std::size_t tenth, const Quantiles& q, double truth) {
+    void landings(std::size_t tenth, const Left& rising, double truth) {
         LeftScore& s = left.at(tenth);
+        const double low = rising[kDraws / 10 - 1], high = rising[kDraws - kDraws / 10 - 1];
         ++s.asked;
-        s.held += truth >= q[0] && truth <= q[2] ? 1.0 : 0.0;
-        s.width += q[2] - q[0];
-        for (std::size_t i = 0; i < q.size(); ++i) {
-            const double off = truth - q.at(i);
-            s.pinball += (off > 0.0 ? kShares.at(i) : kShares.at(i) - 1.0) * off / 3.0;
-        }
+        s.held += truth >= low && truth <= high ? 1.0 : 0.0;
+        s.width += high - low;
+        s.crps += wear::crps(rising, truth);
     }
 };
 using Tallies = std::array<Tally, kEntrantNames.size()>;
 
-Quantiles filter_left(const BrakeFilter& filter, const Plan& plan, double c_e_J, std::uint64_t seed) {
-    ForecastSettings ask;
-    ask.limit = plan.settings.limit;
-    ask.horizon = kHorizon;
-    ask.draws = kDraws;
-    ask.seed = seed;
-    ask.fan_points = 0;
-    const Forecast f = forecast(filter, c_e_J, plan.settings.mix, ask);
-    Quantiles out{};
-    for (std::size_t q = 0; q < out.size(); ++q) out.at(q) = f.landings_left.at(q).value_or(kHorizon);
+Left left_of(const Forecast& f) {
+    Left out;
+    out.reserve(f.landings.size());
+    for (const double n : f.landings) out.push_back(std::min(n, static_cast<double>(kHorizon)));
     return out;
 }
 
-Quantiles oracle_left(const Brake& brake, const Plan& plan, std::uint64_t seed) {
-    return quantiles_of([&](int i) {
+Left oracle_left(const Brake& brake, const Plan& plan, std::uint64_t seed) {
+    return drawn_left([&](std::size_t i) {
         Brake own = brake;
-        Generator generator = generator_of(seed, 1000 + static_cast<std::uint64_t>(i));
+        Generator generator = generator_of(seed, 1000 + i);
         int n = 0;
         for (; own.condition() >= plan.settings.limit && n < kHorizon; ++n) own.land(landing_energy_J(plan.settings, generator), generator);
         return n;
@@ -193,7 +189,14 @@ Quantiles oracle_left(const Brake& brake, const Plan& plan, std::uint64_t seed) 
 Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
     const Life life = live(law, plan.settings, seed);
     const std::vector<Point>& points = life.campaign.points;
-    BrakeFilter filter(t.population);
+    LandingsForecast shipped(t.population);
+    const BrakeFilter& filter = shipped.filter();
+    ForecastSettings ask;
+    ask.limit = plan.settings.limit;
+    ask.horizon = kHorizon;
+    ask.draws = static_cast<int>(kDraws);
+    ask.seed = seed;
+    ask.fan_points = 0;
     LocalLinear linear(t.step / std::numbers::sqrt2);
     Tallies out;
     const auto of = [&](Entrant e) -> Tally& { return out.at(static_cast<std::size_t>(e)); };
@@ -210,24 +213,25 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
             of(Entrant::mixture).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::mixture}), x);
             of(Entrant::local_linear).next(linear.next(), x);
             const Expectation e = filter.expected(next_J);
-            of(Entrant::filter).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
+            for (const Entrant k : {Entrant::filter, Entrant::shipped}) of(k).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
             of(Entrant::oracle).next({{{1.0, life.before[i].expected(), Brake::kFresh * Brake::kFresh}}}, x);
         }
         while (tenth < kTenths && static_cast<double>(i) >= 0.1 * static_cast<double>((tenth + 1) * points.size())) {
             const auto truth = static_cast<double>(points.size() - i);
             of(Entrant::past_lives).landings(tenth, lognormal_left(t, static_cast<double>(i)), truth);
             of(Entrant::local_linear)
-                .landings(tenth, quantiles_of([&](int n) {
-                              Generator generator = generator_of(seed, 5000 + static_cast<std::uint64_t>(n));
+                .landings(tenth, drawn_left([&](std::size_t n) {
+                              Generator generator = generator_of(seed, 5000 + n);
                               return linear.landings_left(plan.settings.limit, generator);
                           }),
                           truth);
-            of(Entrant::filter).landings(tenth, filter_left(filter, plan, points[i - 1].c_e_J, seed), truth);
+            of(Entrant::filter).landings(tenth, left_of(forecast(filter, points[i - 1].c_e_J, plan.settings.mix, ask)), truth);
+            of(Entrant::shipped).landings(tenth, left_of(shipped.forecast(plan.settings.mix, ask)), truth);
             of(Entrant::oracle).landings(tenth, oracle_left(life.before[i], plan, seed), truth);
             ++tenth;
         }
         linear.learn(x);
-        filter.learn(points[i]);
+        shipped.learn(points[i]);
     }
     return out;
 }
@@ -248,7 +252,7 @@ std::array<Score, kEntrantNames.size()> scores(const std::vector<const Tallies*>
                 sum.asked += one.asked;
                 sum.held += one.held;
                 sum.width += one.width;
-                sum.pinball += one.pinball;
+                sum.crps += one.crps;
             }
         }
         const auto n = static_cast<double>(pit.size());
@@ -262,8 +266,13 @@ std::array<Score, kEntrantNames.size()> scores(const std::vector<const Tallies*>
         for (LeftScore& k : s.left) {
             if (k.asked == 0) continue;
             s.forecasts = true;
-            for (double* sum : {&k.held, &k.width, &k.pinball}) *sum /= static_cast<double>(k.asked);
+            for (double* sum : {&k.held, &k.width, &k.crps}) *sum /= static_cast<double>(k.asked);
         }
+    }
+    for (std::size_t k = 0; k < kTenths; ++k) {
+        const double past = out.at(static_cast<std::size_t>(Entrant::past_lives)).left.at(k).crps;
+        const double oracle = out.at(static_cast<std::size_t>(Entrant::oracle)).left.at(k).crps;
+        for (Score& s : out) s.left.at(k).skill = (past - s.left.at(k).crps) / (past - oracle);
     }
     return out;
 }
@@ -280,12 +289,21 @@ Result run(const Plan& plan) {
         tallies[job] = judge(plan, trained[pair / laws], plan.laws[pair % laws], plan.judged_seed + job % plan.judged_lives);
     });
     std::vector<const Tallies*> within, across;
+    std::vector<std::vector<const Tallies*>> by_law(2 * laws);
     for (std::size_t job = 0; job < tallies.size(); ++job) {
-        const std::size_t pair = job / plan.judged_lives;
-        (pair / laws == pair % laws ? within : across).push_back(&tallies[job]);
+        const std::size_t learnt = job / plan.judged_lives / laws, judged = job / plan.judged_lives % laws;
+        (learnt == judged ? within : across).push_back(&tallies[job]);
+        by_law[judged + (learnt == judged ? 0 : laws)].push_back(&tallies[job]);
     }
-    Result out{scores(within), {}};
-    if (!across.empty()) out.across = scores(across);
+    Result out{scores(within), {}, {}, {}, {}};
+    out.watch.resize(plan.watch ? laws : 0);
+    run_jobs(plan.threads, out.watch.size(), [&](std::size_t i) {
+        out.watch[i] = judge_watch(plan.laws[i], plan.settings, trained[i].population, plan.judged_seed, plan.judged_lives);
+    });
+    for (std::size_t i = 0; i < laws; ++i) out.within_by_law.push_back(scores(by_law[i]));
+    if (across.empty()) return out;
+    out.across = scores(across);
+    for (std::size_t i = 0; i < laws; ++i) out.across_by_law.push_back(scores(by_law[laws + i]));
     return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "plant_sim/wear/arena_watch.hpp"
 #include "plant_sim/wear/rival_laws.hpp"
 #include "rig_bridge/wear/conditional.hpp"
 
@@ -14,18 +15,20 @@ enum class Entrant : std::uint8_t {
     nearest,       ///< the mixture of eq. (14), fitted to one training life, from the nearest component
     mixture,       ///< likewise, from all components
     local_linear,  ///< Kalman smoother of level and slope in this life alone
-    filter,        ///< the shipped filter and forecast, learnt from the training lives
+    filter,        ///< the filter and its forecast, learnt from the training lives
+    shipped,       ///< likewise, with past lives and calibration: what `rig-lab wear forecast` says
     oracle,        ///< told the law and the brake's own state; knows neither scatter nor landings to come
 };
-constexpr std::array<const char*, 7> kEntrantNames{"persistence", "past_lives", "nearest", "mixture", "local_linear", "filter", "oracle"};
+constexpr std::array<const char*, 8> kEntrantNames{"persistence", "past_lives", "nearest", "mixture", "local_linear", "filter", "shipped", "oracle"};
 
 constexpr std::size_t kTenths = 9;  ///< asked at 10 to 90 % of life
 
 struct LeftScore {
     std::size_t asked = 0;
-    double held = 0.0;     ///< share of truths in the 10 to 90 % interval
-    double width = 0.0;    ///< of it, landings, mean
-    double pinball = 0.0;  ///< mean of the three quantiles, landings
+    double held = 0.0;   ///< share of truths in the 10 to 90 % interval
+    double width = 0.0;  ///< of it, landings, mean
+    double crps = 0.0;   ///< mean, landings
+    double skill = 0.0;  ///< CRPS gained on past lives, over what the oracle gains
 };
 
 struct Score {
@@ -42,12 +45,16 @@ struct Plan {
     std::uint64_t judged_seed = 0;   ///< first
     std::size_t training_lives = 0;  ///< of a law, at least 3
     std::size_t judged_lives = 0;    ///< of a law
+    bool watch = false;              ///< find faults, too
     unsigned threads = 1;            ///< the result does not depend on it
 };
 
+using Scores = std::array<Score, kEntrantNames.size()>;
 struct Result {
-    std::array<Score, kEntrantNames.size()> within;                 ///< trained on the judged law
-    std::optional<std::array<Score, kEntrantNames.size()>> across;  ///< trained on each other law in turn; none: one law
+    Scores within;                                     ///< trained on the judged law
+    std::optional<Scores> across;                      ///< trained on each other law in turn; none: one law
+    std::vector<Scores> within_by_law, across_by_law;  ///< by the judged law, in the plan's order
+    std::vector<WatchScore> watch;                     ///< by law; none unless the plan asks
 };
 [[nodiscard]] Result run(const Plan& plan);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rig_bridge/wear/landings_forecast.hpp"
+
 namespace wear {
 
 namespace {
@@ -44,7 +46,7 @@ BackTest back_test(const Population& population, const std::vector<HeldOut>& bra
     for (std::size_t r = 0; r < out.rows.size(); ++r) out.rows.at(r).share_of_life = 0.2 * static_cast<double>(r + 1);
     for (std::size_t b = 0; b < brakes.size(); ++b) {
         const HeldOut& brake = brakes[b];
-        BrakeFilter filter(population);
+        LandingsForecast forecaster(population);
         Campaign so_far;
         so_far.points.reserve(brake.life);
         for (BackTestRow& row : out.rows) {
@@ -52,12 +54,12 @@ BackTest back_test(const Population& population, const std::vector<HeldOut>& bra
             if (at < 2 || at > brake.campaign.points.size()) continue;
             while (so_far.points.size() < at) {
                 so_far.points.push_back(brake.campaign.points[so_far.points.size()]);
-                filter.learn(so_far.points.back());
+                forecaster.learn(so_far.points.back());
             }
             ForecastSettings ask = settings;
             ask.seed = settings.seed + b;
             ask.fan_points = 0;
-            const Forecast f = forecast(filter, so_far.points.back().c_e_J, mix_of(so_far, kNewest), ask);
+            const Forecast f = forecaster.forecast(mix_of(so_far, kNewest), ask);
             const int truth = static_cast<int>(brake.life - at);
             add(row, f, truth, settings.horizon);
             add(out.pooled, f, truth, settings.horizon);

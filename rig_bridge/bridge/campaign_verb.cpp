@@ -292,6 +292,7 @@ int run_campaign(const CampaignCommand& command) {
     std::optional<record::HealthWatch> watch;
     if (!command.wear_model.empty()) {
         watch.emplace(command.wear_model);
+        terminal.say("rig-bridge: the brake is judged by brakes " + watch->learnt_from());
         record::catch_up(*watch, ledger, record::read_ledger(file, name));
     }
     if (const Decision decision = before(command.rules, file, name); decision.verdict != CampaignState::go_on) {

@@ -1,5 +1,7 @@
 #include "rig_bridge/record/health_watch.hpp"
 
+#include <fmt/format.h>
+
 #include "rig_bridge/wear/health.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
@@ -33,12 +35,17 @@ struct HealthWatch::Impl {
 HealthWatch::HealthWatch(const std::filesystem::path& model) : impl_(std::make_unique<Impl>(model)) {}
 HealthWatch::~HealthWatch() = default;
 
+std::string HealthWatch::learnt_from() const {
+    return impl_->file.population.provenance.sentence();
+}
+
 Health HealthWatch::after(const Summary& summary) {
     if (summary.outcome != "finished" || off_conditions(summary)) return newest_;
     const wear::Verdict v = impl_->monitor.after({summary.cumulative_energy_J, summary.figures.mean_friction});
     newest_.state = state_of(v.condition);
     if (newest_.state != HealthState::unknown) newest_.statistic = v.statistic;
     newest_.reason = v.reason;
+    if (!v.reason.empty()) newest_.reason += fmt::format("; judged by brakes {}", learnt_from());
     newest_.model = impl_->file.hash;
     return newest_;
 }

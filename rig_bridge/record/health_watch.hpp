@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "rig_bridge/record/ledger.hpp"
@@ -23,6 +24,8 @@ class HealthWatch {
 
     /// After a finished maneuver, in their order; others, and those out of tolerance, are passed over with the health of the one before.
     Health after(const Summary& summary);
+    /// What the model was learnt from, for people.
+    [[nodiscard]] std::string learnt_from() const;
     [[nodiscard]] const Health& newest() const { return newest_; }
 
   private:

@@ -119,17 +119,35 @@ LandingMix mix_of(const Campaign& campaign, std::size_t count) {
     return {{"as recorded", 1.0, mean, std::sqrt(std::max(0.0, squares / used - mean * mean))}};
 }
 
+void take_quantiles(Forecast& f) {
+    for (std::size_t q = 0; q < kShares.size(); ++q) {
+        const double left = quantile(f.landings, kShares[q]);
+        const bool ever = std::isfinite(left);
+        f.landings_left[q] = ever ? std::optional(static_cast<int>(std::lround(left))) : std::nullopt;
+        f.crossing_J[q] = ever ? std::optional(quantile(f.energies_J, kShares[q])) : std::nullopt;
+    }
+}
+
+double crps(const std::vector<double>& rising, double x) {
+    const auto n = static_cast<double>(rising.size());
+    double off = 0.0;
+    double apart = 0.0;
+    for (std::size_t i = 0; i < rising.size(); ++i) {
+        off += std::abs(rising[i] - x) / n;
+        apart += (2.0 * static_cast<double>(i) + 1.0 - n) * rising[i] / (n * n);
+    }
+    return off - apart;
+}
+
 Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix, const ForecastSettings& settings) {
     check(mix, settings);
     Forecast out;
     out.c_e_J = c_e_J;
-    constexpr int kNever = std::numeric_limits<int>::max();
+    constexpr double kNever = std::numeric_limits<double>::infinity();
     std::vector<double> now;
-    std::vector<int> landings;
-    std::vector<double> crossings_J;
     now.reserve(static_cast<std::size_t>(settings.draws));
-    landings.reserve(now.capacity());
-    crossings_J.reserve(now.capacity());
+    out.landings.reserve(now.capacity());
+    out.energies_J.reserve(now.capacity());
     int already = 0;
     int crossed = 0;
     int extrapolated = 0;
@@ -145,19 +163,14 @@ Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix
         already += below && landed == 0 ? 1 : 0;
         crossed += below ? 1 : 0;
         extrapolated += future.extrapolates() ? 1 : 0;
-        landings.push_back(below ? landed : kNever);
-        crossings_J.push_back(below ? future.c_e_J() : std::numeric_limits<double>::infinity());
+        out.landings.push_back(below ? landed : kNever);
+        out.energies_J.push_back(below ? future.c_e_J() : kNever);
     }
     std::sort(now.begin(), now.end());
-    std::sort(landings.begin(), landings.end());
-    std::sort(crossings_J.begin(), crossings_J.end());
-    for (std::size_t q = 0; q < kShares.size(); ++q) {
-        out.friction_now[q] = quantile(now, kShares[q]);
-        const int left = quantile(landings, kShares[q]);
-        if (left == kNever) continue;
-        out.landings_left[q] = left;
-        out.crossing_J[q] = quantile(crossings_J, kShares[q]);
-    }
+    std::sort(out.landings.begin(), out.landings.end());
+    std::sort(out.energies_J.begin(), out.energies_J.end());
+    for (std::size_t q = 0; q < kShares.size(); ++q) out.friction_now[q] = quantile(now, kShares[q]);
+    take_quantiles(out);
     out.crossed_now = static_cast<double>(already) / settings.draws;
     out.crossed_ever = static_cast<double>(crossed) / settings.draws;
     out.extrapolated = static_cast<double>(extrapolated) / settings.draws;

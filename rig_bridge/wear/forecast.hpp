@@ -53,14 +53,23 @@ struct Forecast {
     std::array<std::optional<int>, 3> landings_left{};
     /// The c_e at which that happens, likewise.
     std::array<std::optional<double>, 3> crossing_J{};
-    double extrapolated = 0.0;  ///< share of the draws that had to go beyond the member's data before they crossed or ended
-    std::vector<FanPoint> fan;  ///< from now to a little beyond the 90 % crossing (or the horizon)
+    std::vector<double> landings;    ///< of every draw, rising; infinite: beyond the horizon
+    std::vector<double> energies_J;  ///< the c_e at which that happens, likewise
+    double alike = 1.0;              ///< probability that the brake is of the population's kind, where that was asked
+    double extrapolated = 0.0;       ///< share of the draws that had to go beyond the member's data before they crossed or ended
+    std::vector<FanPoint> fan;       ///< from now to a little beyond the 90 % crossing (or the horizon)
 
     [[nodiscard]] bool already_crossed() const { return crossed_now >= 0.5; }
     [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< within the horizon, more likely than not
 };
 
 /// `filter` has learnt the brake's points up to `c_e_J`. Throws std::invalid_argument for settings or a mix out of range.
+/// Sets the quantiles of `f` to those of its draws.
+void take_quantiles(Forecast& f);
+
+/// Continuous ranked probability score of equally probable values, rising, for the truth `x`: E|X - x| - E|X - X'| / 2.
+[[nodiscard]] double crps(const std::vector<double>& rising, double x);
+
 [[nodiscard]] Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix, const ForecastSettings& settings);
 
 }  // namespace wear

@@ -1,6 +1,7 @@
 #include "rig_bridge/wear/health_limits.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -8,7 +9,7 @@ namespace wear {
 
 namespace {
 
-std::vector<double> sorted(const std::vector<HealthLimits>& greatest, double HealthLimits::*test) {
+std::vector<double> sorted(const std::vector<HealthLimits>& greatest, HealthTest test) {
     std::vector<double> out;
     out.reserve(greatest.size());
     for (const HealthLimits& g : greatest) out.push_back(g.*test);
@@ -32,17 +33,29 @@ std::size_t rank(const std::vector<double>& rising, double value) {
 }  // namespace
 
 HealthLimits calibrated(const std::vector<HealthLimits>& greatest) {
-    const std::vector<double> gradual = sorted(greatest, &HealthLimits::gradual);
-    const std::vector<double> sudden = sorted(greatest, &HealthLimits::sudden);
+    constexpr double kMin = 1.0;  // of a stage that none of them came to
+    std::array<std::vector<double>, kHealthTests.size()> rising;
+    for (std::size_t t = 0; t < rising.size(); ++t) rising.at(t) = sorted(greatest, kHealthTests.at(t));
     const auto flagged = static_cast<std::size_t>(kFalseAlarms * static_cast<double>(greatest.size()));
-    if (flagged == 0) return {exceeded_by(gradual, 0.5 * kFalseAlarms), exceeded_by(sudden, 0.5 * kFalseAlarms)};
-    // The higher of a brake's ranks in the two tests says how strange it is.
+    HealthLimits out;
+    if (flagged == 0) {
+        for (std::size_t t = 0; t < rising.size(); ++t)
+            out.*kHealthTests.at(t) = std::max(kMin, exceeded_by(rising.at(t), kFalseAlarms / static_cast<double>(rising.size())));
+        return out;
+    }
+    // The highest of a brake's ranks in the tests says how strange it is.
     std::vector<std::size_t> strange;
     strange.reserve(greatest.size());
-    for (const HealthLimits& g : greatest) strange.push_back(std::max(rank(gradual, g.gradual), rank(sudden, g.sudden)));
+    for (const HealthLimits& g : greatest) {
+        std::size_t highest = 0;
+        for (std::size_t t = 0; t < rising.size(); ++t)
+            if (g.*kHealthTests.at(t) > 0.0) highest = std::max(highest, rank(rising.at(t), g.*kHealthTests.at(t)));
+        strange.push_back(highest);
+    }
     std::sort(strange.begin(), strange.end());
     const std::size_t min = strange[strange.size() - flagged];  // rank of the least strange one to be flagged
-    return {gradual[min], sudden[min]};
+    for (std::size_t t = 0; t < rising.size(); ++t) out.*kHealthTests.at(t) = std::max(kMin, rising.at(t)[min]);
+    return out;
 }
 
 }  // namespace wear

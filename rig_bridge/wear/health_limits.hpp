@@ -1,4 +1,4 @@
-/// Limits of the health tests from what healthy brakes reach: both tests together call a share kFalseAlarms of them abnormal in their whole lives.
+/// Limits of the health tests from what healthy brakes reach: all tests together call a share kFalseAlarms of them abnormal in their whole lives.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@ namespace wear {
 inline constexpr double kFalseAlarms = 0.01;
 
 /// `greatest`: HealthMonitor::greatest() of each of several healthy brakes, at least one, after its whole life. Of 100 and more, each test gets
-/// the limit that the same number of brakes exceeds, so that kFalseAlarms of them exceed either. Fewer do not show that rate: theirs is taken from
-/// Gumbel's distribution of maxima, half of it for each test.
+/// the limit that the same number of brakes exceeds, so that kFalseAlarms of them exceed any. Fewer do not show that rate: theirs is taken from
+/// Gumbel's distribution of maxima, an equal part of it for each test.
 [[nodiscard]] HealthLimits calibrated(const std::vector<HealthLimits>& greatest);
 
 }  // namespace wear

@@ -1,4 +1,4 @@
-/// What the readers of the wear model's files share. Inside model_io and brake_state.
+/// What the readers and writers of the wear model's files share.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,6 +13,7 @@
 
 #include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/near_miss.hpp"
+#include "rig_bridge/wear/provenance.hpp"
 
 namespace wear {
 
@@ -59,11 +60,20 @@ class JsonObject {
         if (!value.is_string()) throw settings::Error(file_, 0, path_of(key), "must be a string");
         return value.get<std::string>();
     }
-    /// The keys `format` and `format_version` must be these.
-    void check_format(std::string_view format, std::uint64_t version) {
+    /// The keys `format` and `format_version` must be these, or an earlier version that is still read. Returns the version.
+    std::uint64_t check_format(std::string_view format, std::uint64_t version, std::uint64_t oldest) {
         if (text("format") != format) throw settings::Error(file_, 0, "format", fmt::format("must be '{}'", format));
-        if (const auto is = count("format_version"); is != version)
+        const auto is = count("format_version");
+        if (is < oldest || is > version)
             throw settings::Error(file_, 0, "format_version", fmt::format("{} is not the version that this program reads ({})", is, version));
+        return is;
+    }
+    void check_format(std::string_view format, std::uint64_t version) { (void)check_format(format, version, version); }
+    /// What a learnt file is from.
+    [[nodiscard]] std::string origin() {
+        const std::string text = this->text("origin");
+        if (!is_origin(text)) throw settings::Error(file_, 0, path_of("origin"), "must begin with 'measured' or 'made up', or be 'unknown origin'");
+        return settings::printable(text);
     }
     /// To be called when every key was asked for once.
     void finish() const {
@@ -78,6 +88,10 @@ class JsonObject {
     const nlohmann::ordered_json& json_;
     std::size_t asked_ = 0;
 };
+
+[[nodiscard]] inline nlohmann::ordered_json json_of(const Provenance& p) {
+    return {{"origin", p.origin}, {"lives", p.lives}};
+}
 
 [[nodiscard]] inline nlohmann::ordered_json parsed_json(const std::string& file, std::string_view text) {
     try {

@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "rig_bridge/wear/brake_filter.hpp"
-#include "rig_bridge/wear/forecast.hpp"
 #include "rig_bridge/wear/health.hpp"
 #include "rig_bridge/wear/health_limits.hpp"
+#include "rig_bridge/wear/landings_forecast.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
+#include "rig_bridge/wear/past_lives.hpp"
 
 namespace wear {
 
@@ -50,6 +55,8 @@ Population without(const Population& all, std::size_t k) {
     Population others;
     others.scatter = all.scatter;
     others.spread = all.spread;
+    others.calibration = all.calibration;
+    others.steady = all.steady;
     others.members = all.members;
     others.members.erase(others.members.begin() + static_cast<std::ptrdiff_t>(k));
     return others;
@@ -69,13 +76,6 @@ double left_out_maneuvers(const std::vector<Campaign>& campaigns, const Populati
     return sum;
 }
 
-/// The first energy at which the curve is below the limit.
-double crossing_J(const MeanCurve& curve, double limit, double step_J) {
-    double at_J = curve.first_J();
-    while (at_J < curve.last_J() && curve(at_J) >= limit) at_J += step_J;
-    return at_J;
-}
-
 /// Three limits that every brake crosses, between the highest friction that any of them ends with and the lowest that any of them has in the
 /// middle of its life.
 std::vector<double> limits_of(const std::vector<MeanCurve>& curves) {
@@ -89,65 +89,148 @@ std::vector<double> limits_of(const std::vector<MeanCurve>& curves) {
     return {end + 0.2 * room, end + 0.5 * room, end + 0.8 * room};
 }
 
-/// How often the 80 % interval of a forecast holds the energy at which a brake does cross, asked at 20, 40, 60 and 80 % of the way there,
-/// each brake given the curves of the others.
-double left_out_coverage(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all) {
+/// A forecast for a brake that was left out, at a tenth of its way to the limit.
+struct Asked {
+    double now_J = 0.0;
+    double truth_J = 0.0;
+    double log_misfit = 0.0;
+    double alike = 1.0;
+    std::vector<double> filter_J;
+    std::vector<double> lives_J;
+
+    [[nodiscard]] double share() const { return share_of_life(now_J, filter_J, lives_J); }
+    [[nodiscard]] double loss(const Correction& c) const { return crps(corrected(filter_J, lives_J, now_J, c), truth_J) / truth_J; }
+    /// Distance of the truth from the median, over that of the interval's end on its side.
+    [[nodiscard]] double stretch(const Correction& c) const {
+        const std::vector<double> all = corrected(filter_J, lives_J, now_J, c);
+        const std::size_t n = all.size();
+        const double median = all[n / 2];
+        const double room = truth_J > median ? all[n - n / 10 - 1] - median : median - all[n / 10];
+        return std::abs(truth_J - median) / std::max(room, 1e-3 * truth_J);
+    }
+};
+
+/// Each brake given the curves of the others. A life ends where the brake's own curve is below the limit.
+std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all, unsigned threads) {
     double longest_J = 0.0;
     for (const MeanCurve& c : all.members) longest_J = std::max(longest_J, c.last_J());
     // Energy counts here, not landings: fewer and larger ones than in any use cost nothing but resolution.
     const LandingMix mix{{"step", 1.0, longest_J / 200.0, 0.0}};
     ForecastSettings settings;
-    settings.horizon = 500;
-    settings.draws = 200;
+    settings.horizon = 400;
+    settings.draws = 100;
     settings.fan_points = 0;
-    double held = 0.0;
-    double asked = 0.0;
-    for (std::size_t k = 0; k < campaigns.size(); ++k) {
+    std::vector<std::vector<Asked>> by_brake(campaigns.size());
+    run_jobs(threads, campaigns.size(), [&](std::size_t k) {
         const Population others = without(all, k);
         for (const double limit : limits) {
-            settings.limit = limit;
-            const double truth_J = crossing_J(all.members[k], limit, longest_J / 4000.0);
-            BrakeFilter filter(others);
-            int fifths = 1;
+            ForecastSettings ask = settings;
+            ask.limit = limit;
+            const double truth_J = crossing_J(all.members[k], limit, longest_J / 4000.0, all.members[k].last_J());
+            const PastLives past(others, limit);
+            LandingsForecast brake(others);
+            int tenths = 1;
             for (const Point& p : campaigns[k].points) {
-                filter.learn(p);
-                if (p.c_e_J < 0.2 * fifths * truth_J) continue;
-                const Forecast f = forecast(filter, p.c_e_J, mix, settings);
-                held += truth_J >= f.crossing_J[0].value_or(1e300) && truth_J <= f.crossing_J[2].value_or(1e300) ? 1.0 : 0.0;
-                asked += 1.0;
-                if (++fifths > 4) break;
+                brake.learn(p);
+                if (p.c_e_J < 0.1 * tenths * truth_J) continue;
+                Forecast f = forecast(brake.filter(), p.c_e_J, mix, ask);
+                by_brake[k].push_back({p.c_e_J, truth_J, std::log(brake.misfit()), brake.alike(), std::move(f.energies_J),
+                                       past_lives_J(past, p.c_e_J, static_cast<std::size_t>(settings.draws))});
+                if (++tenths > 9) break;
             }
         }
-    }
-    return held / asked;
+    });
+    std::vector<Asked> out;
+    for (std::vector<Asked>& brake : by_brake) std::move(brake.begin(), brake.end(), std::back_inserter(out));
+    return out;
 }
 
-/// The least spread of the energy scale at which the 80 % interval holds the truth in 80 % of cases, and one standard error of a share of so
-/// many brakes more: those at hand may by chance be more alike than those to come.
-double calibrated_spread(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population population) {
-    const double wanted = 0.8 + std::sqrt(0.8 * 0.2 / static_cast<double>(campaigns.size()));
-    double low = 0.01;
-    double high = 0.4;
-    constexpr int kHalvings = 6;
-    for (int i = 0; i < kHalvings; ++i) {
-        population.spread.log_energy_scale = std::sqrt(low * high);
-        (left_out_coverage(campaigns, limits, population) < wanted ? low : high) = population.spread.log_energy_scale;
+/// How near a forecast is to a tenth of life.
+double nearness(const Asked& asked, std::size_t tenth) {
+    constexpr double kBand = 0.1;
+    const double off = (asked.share() - 0.1 * static_cast<double>(tenth + 1)) / kBand;
+    return std::exp(-0.5 * off * off);
+}
+
+/// The filter's weight with which forecasts lose least at each tenth of life; returns what they lose.
+double choose_filter_weight(const std::vector<Asked>& asked, ForecastCalibration::Tenths& weights) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const double weight : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+            double loss = 0.0;
+            double all = 0.0;
+            for (const Asked& a : asked) {
+                const double near = nearness(a, k);
+                loss += near * a.loss({weight, a.alike, 1.0});
+                all += near;
+            }
+            if (loss / all >= least) continue;
+            least = loss / all;
+            weights.at(k) = weight;
+        }
+        sum += least;
     }
-    return std::sqrt(low * high);
+    return sum;
+}
+
+/// The value that a share of the weights does not exceed.
+double weighted_quantile(std::vector<std::pair<double, double>> weighed, double share) {
+    std::sort(weighed.begin(), weighed.end());
+    double all = 0.0;
+    for (const auto& [value, weight] : weighed) all += weight;
+    double below = 0.0;
+    for (const auto& [value, weight] : weighed)
+        if ((below += weight) >= share * all) return value;
+    return weighed.back().first;
+}
+
+/// Spread of the energy scale and fading of evidence by what forecasts lose, then what those say about brakes that were left out.
+void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population, unsigned threads) {
+    Spread best = population.spread;
+    double least = std::numeric_limits<double>::infinity();
+    for (const double log_energy_scale : {0.02, 0.06, 0.15}) {
+        for (const double kept : {0.95, 0.98, 0.995}) {
+            population.spread.log_energy_scale = log_energy_scale;
+            population.spread.evidence_kept = kept;
+            ForecastCalibration::Tenths weights{};
+            const double loss = choose_filter_weight(ask_left_out(campaigns, limits, population, threads), weights);
+            if (loss >= least) continue;
+            least = loss;
+            best = population.spread;
+        }
+    }
+    population.spread = best;
+    ForecastCalibration& out = population.calibration;
+    std::vector<Asked> asked = ask_left_out(campaigns, limits, population, threads);
+    const auto n = static_cast<double>(asked.size());
+    for (const Asked& a : asked) out.log_misfit += a.log_misfit / n;
+    double squares = 0.0;
+    for (const Asked& a : asked) squares += std::pow(a.log_misfit - out.log_misfit, 2) / n;
+    out.misfit_deviation = std::sqrt(squares);
+    asked = ask_left_out(campaigns, limits, population, threads);
+    (void)choose_filter_weight(asked, out.filter);
+    for (std::size_t k = 0; k < out.widening.size(); ++k) {
+        constexpr double kMaxWidening = 5.0;
+        std::vector<std::pair<double, double>> near;
+        for (const Asked& a : asked) near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), nearness(a, k));
+        // No brake more is counted, as split conformal prediction does: those left out had one life less to learn from than the next one has.
+        // Never narrower: that brakes left out lay nearer than foretold may be chance.
+        out.widening.at(k) = std::clamp(weighted_quantile(std::move(near), 0.8), 1.0, kMaxWidening);
+    }
 }
 
 /// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
-HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all) {
+HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all, unsigned threads) {
     const std::vector<Campaign>& watched = healthy.empty() ? campaigns : healthy;
-    std::vector<HealthLimits> greatest;
-    greatest.reserve(watched.size());
-    for (std::size_t k = 0; k < watched.size(); ++k) {
+    std::vector<HealthLimits> greatest(watched.size());
+    run_jobs(threads, watched.size(), [&](std::size_t k) {
         Population known = healthy.empty() ? without(all, k) : all;
-        known.limits = {1.0, 1.0};
+        known.limits = {1.0, 1.0, 1.0, 1.0, 1.0};
         HealthMonitor monitor(known);
         for (const Point& p : watched[k].points) (void)monitor.after(p);
-        greatest.push_back(monitor.greatest());
-    }
+        greatest[k] = monitor.greatest();
+    });
     return calibrated(greatest);
 }
 
@@ -194,23 +277,28 @@ Population learn_population(const std::vector<Campaign>& campaigns, const LearnS
     std::size_t done = 0;
     Population out;
     out.source = fmt::format("{} campaigns", campaigns.size());
+    std::vector<std::string> origins;
     for (const Campaign& c : campaigns) {
+        origins.push_back(c.origin);
         out.models.push_back(model_of(c, fit(c, settings.fit, {settings.threads, {}, {}}), settings.fit));
         out.members.emplace_back(out.models.back());
         if (progress) progress(++done, steps);
     }
+    out.provenance = {common_origin(origins), campaigns.size()};
     out.scatter = scatter_of(campaigns, out.members);
     const double all_scatter = std::hypot(out.scatter.remembered, out.scatter.fresh);
     out.scatter.drift_per_root_MJ = 0.1 * all_scatter;
-    out.spread = {0.1, 2.0 * all_scatter, settings.evidence_kept};
+    out.spread = {0.1, 2.0 * all_scatter, 0.98};
     Ascent maneuvers([&] { return left_out_maneuvers(campaigns, out); });
     for (const double factor : kFactors) {
         maneuvers.improve(out.scatter.drift_per_root_MJ, factor, all_scatter);
         maneuvers.improve(out.spread.offset, factor, 0.5);
         if (progress) progress(++done, steps);
     }
-    out.spread.log_energy_scale = calibrated_spread(campaigns, settings.limit ? std::vector{*settings.limit} : limits_of(out.members), out);
-    out.limits = health_limits(campaigns, settings.healthy, out);
+    const std::vector<double> limits = settings.limit ? std::vector{*settings.limit} : limits_of(out.members);
+    calibrate_forecast(campaigns, limits, out, settings.threads);
+    out.steady = steady_stage(out.members);
+    out.limits = health_limits(campaigns, settings.healthy, out, settings.threads);
     if (progress) progress(++done, steps);
     return out;
 }

@@ -12,7 +12,6 @@ namespace wear {
 
 struct LearnSettings {
     FitSettings fit{.min_components = 1, .max_components = 8, .starts = 10, .seed = 1, .em = {}};
-    double evidence_kept = 0.98;  ///< of Spread: evidence lasts some 50 maneuvers, so that run-in does not decide what life will be
     /// That forecasts will ask about; none: somewhere between the middle and the end of life. Every brake must have crossed it.
     std::optional<double> limit{};
     /// Campaigns of other brakes, all healthy, from which health limits are learnt: better from 1000 or more of these than from few brakes' own.
@@ -21,8 +20,9 @@ struct LearnSettings {
 };
 
 /// Fits a mixture to each campaign; takes memory and size of the scatter from the residuals about the fitted curves; then, each
-/// brake given the curves of the others (leave one out): chooses drift and offset so that the maneuvers are as likely as can be, and the spread
-/// of the energy scale so that the 80 % interval of the forecast holds 80 % of the lives; and health limits, see health_limits.hpp.
+/// brake given the curves of the others (leave one out): chooses drift and offset so that the maneuvers are as likely as can be, spread of
+/// the energy scale and fading of evidence so that forecasts of landings left lose least, and their calibration so that the 80 % interval holds 80 %
+/// of the lives; and health limits, see health_limits.hpp.
 /// At least 3 campaigns, else std::invalid_argument; settings::Error where a campaign is refused.
 [[nodiscard]] Population learn_population(const std::vector<Campaign>& campaigns, const LearnSettings& settings,
                                           const std::function<void(std::size_t done, std::size_t all)>& progress = {});

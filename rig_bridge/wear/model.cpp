@@ -16,7 +16,7 @@ Model model_of(const Campaign& campaign, const Fit& fit, const FitSettings& sett
     const auto [min, greatest] = std::minmax_element(campaign.points.begin(), campaign.points.end(),
                                                      [](const Point& a, const Point& b) { return a.mean_friction < b.mean_friction; });
     Model model{{campaign.source, data_hash(campaign), campaign.points.size(), campaign.points.front().c_e_J, campaign.points.back().c_e_J,
-                 min->mean_friction, greatest->mean_friction},
+                 min->mean_friction, greatest->mean_friction, campaign.origin},
                 {settings.seed, settings.starts, settings.em.tolerance, settings.em.covariance_floor},
                 {},
                 fit.best().mixture};

@@ -8,6 +8,7 @@
 #include "rig_bridge/wear/conditional.hpp"
 #include "rig_bridge/wear/fit.hpp"
 #include "rig_bridge/wear/mixture.hpp"
+#include "rig_bridge/wear/provenance.hpp"
 #include "rig_bridge/wear/wear_campaign.hpp"
 
 namespace wear {
@@ -21,6 +22,7 @@ struct Model {
         double last_c_e_J = 0.0;
         double min_friction = 0.0;
         double greatest_friction = 0.0;
+        std::string origin = kUnknownOrigin;  ///< provenance.hpp
         bool operator==(const Data&) const = default;
         /// J a maneuver.
         [[nodiscard]] double mean_step_J() const;

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 using settings::Error;
 using Reader = JsonObject;
 
-Model::Data data_of(Reader r, const std::string& file) {
+Model::Data data_of(Reader r, const std::string& file, bool says_origin) {
     Model::Data d;
     d.source = r.text("source");
     d.hash = r.text("hash");
@@ -26,6 +26,7 @@ Model::Data data_of(Reader r, const std::string& file) {
     d.last_c_e_J = r.positive("last_cumulative_energy_J");
     d.min_friction = r.positive("min_mean_friction");
     d.greatest_friction = r.positive("greatest_mean_friction");
+    if (says_origin) d.origin = r.origin();
     r.finish();
     if (d.last_c_e_J <= d.first_c_e_J) throw Error(file, 0, "data.last_cumulative_energy_J", "must be above the first");
     return d;
@@ -81,7 +82,8 @@ std::string to_json(const Model& m) {
           {"first_cumulative_energy_J", m.data.first_c_e_J},
           {"last_cumulative_energy_J", m.data.last_c_e_J},
           {"min_mean_friction", m.data.min_friction},
-          {"greatest_mean_friction", m.data.greatest_friction}}},
+          {"greatest_mean_friction", m.data.greatest_friction},
+          {"origin", m.data.origin}}},
         {"search",
          {{"seed", m.search.seed}, {"starts", m.search.starts}, {"tolerance", m.search.tolerance}, {"covariance_floor", m.search.covariance_floor}}},
         {"orders", orders},
@@ -93,8 +95,8 @@ std::string to_json(const Model& m) {
 Model from_json(const std::string& name, std::string_view text) {
     const Json json = parsed_json(name, text);
     Reader root(name, "", json);
-    root.check_format(kModelFormat, kModelFormatVersion);
-    const Model::Data data = data_of(root.object("data"), name);
+    const bool says_origin = root.check_format(kModelFormat, kModelFormatVersion, 1) > 1;
+    const Model::Data data = data_of(root.object("data"), name, says_origin);
     const Model::Search search = search_of(root.object("search"));
     std::vector<Model::Candidate> orders;
     for (const Reader& r : root.objects("orders")) orders.push_back(order_of(r));

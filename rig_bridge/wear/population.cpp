@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -35,7 +37,7 @@ HealthLimits limits_of_simulated(const Population& population) {
             greatest.push_back(monitor.greatest());
         }
         const HealthLimits by_this = calibrated(greatest);
-        out = {std::max(out.gradual, by_this.gradual), std::max(out.sudden, by_this.sudden)};
+        for (const HealthTest test : kHealthTests) out.*test = std::max(out.*test, by_this.*test);
     }
     return out;
 }
@@ -57,11 +59,13 @@ Population brakes_like(const Model& model) {
     const double half = std::sqrt(0.5 * variance);
     Population out;
     out.source = "one brake: " + model.data.source;
+    out.provenance = {model.data.origin, 1};
     out.models = {model};
     out.members = {MeanCurve(model)};
     out.scatter = {0.5, half, half, 0.1 * deviation};
     out.spread = {0.1, 2.5 * deviation, 0.98};
-    out.limits = {1.0, 1.0};
+    out.limits = {1.0, 1.0, 1.0, 1.0, 1.0};
+    out.steady = steady_stage(out.members);
     return out;
 }
 
@@ -69,6 +73,36 @@ Population population_of(const Model& model) {
     Population out = brakes_like(model);
     out.limits = limits_of_simulated(out);
     return out;
+}
+
+SteadyStage steady_stage(const std::vector<MeanCurve>& curves) {
+    constexpr std::size_t kParts = 50;
+    constexpr double kSteep = 6.0;
+    SteadyStage out{0.0, std::numeric_limits<double>::infinity()};
+    for (const MeanCurve& curve : curves) {
+        const double part_J = (curve.last_J() - curve.first_J()) / kParts;
+        std::array<double, kParts> slopes{};
+        for (std::size_t i = 0; i < kParts; ++i) {
+            const double at_J = curve.first_J() + part_J * static_cast<double>(i);
+            slopes.at(i) = std::abs(curve(at_J + part_J) - curve(at_J));
+        }
+        std::array<double, kParts> sorted = slopes;
+        std::nth_element(sorted.begin(), sorted.begin() + kParts / 2, sorted.end());
+        const auto steep = [&](double slope) { return slope > kSteep * sorted[kParts / 2]; };
+        const auto middle = slopes.begin() + kParts / 2;
+        const auto first = std::find_if(std::make_reverse_iterator(middle), slopes.rend(), steep).base();
+        const auto last = std::find_if(middle, slopes.end(), steep);
+        out.from_J = std::max(out.from_J, curve.first_J() + part_J * static_cast<double>(first - slopes.begin()));
+        out.to_J = std::min(out.to_J, curve.first_J() + part_J * static_cast<double>(last - slopes.begin()));
+    }
+    if (!(out.to_J > out.from_J) || curves.empty()) return {};
+    return out;
+}
+
+double ForecastCalibration::at(const Tenths& tenths, double share_of_life) {
+    const double place = std::clamp(10.0 * share_of_life - 1.0, 0.0, static_cast<double>(tenths.size() - 1));
+    const auto i = std::min(static_cast<std::size_t>(place), tenths.size() - 2);
+    return tenths.at(i) + (tenths.at(i + 1) - tenths.at(i)) * (place - static_cast<double>(i));
 }
 
 MeanCurve::MeanCurve(const Model& model)

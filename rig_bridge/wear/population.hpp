@@ -1,6 +1,7 @@
 /// What brakes of one kind have in common and how they differ: what a forecast for one of them, and the judgement of its health, start from.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -48,22 +49,54 @@ struct Spread {
     bool operator==(const Spread&) const = default;
 };
 
-/// At which value of its statistics a brake is abnormal (health.hpp). In standard normal deviates.
+/// At which value of its statistics a brake is abnormal (health.hpp). Run-in and wear-out have limits of their own: friction falls there by
+/// itself, in each brake at another time.
 struct HealthLimits {
-    double gradual = 0.0;  ///< of the cumulative sums
-    double sudden = 0.0;   ///< of two maneuvers together
+    double gradual = 0.0;           ///< of the cumulative sums, in standard normal deviates
+    double sudden = 0.0;            ///< of two maneuvers together, likewise
+    double trend = 0.0;             ///< of ten maneuvers against what was expected of them, in deviations of the scatter
+    double unsteady_gradual = 0.0;  ///< in run-in and wear-out
+    double unsteady_sudden = 0.0;
     bool operator==(const HealthLimits&) const = default;
+};
+using HealthTest = double HealthLimits::*;
+inline constexpr std::array<HealthTest, 5> kHealthTests{&HealthLimits::gradual, &HealthLimits::sudden, &HealthLimits::trend,
+                                                        &HealthLimits::unsteady_gradual, &HealthLimits::unsteady_sudden};
+inline constexpr std::array kHealthTestNames{"gradual", "sudden", "trend", "unsteady_gradual", "unsteady_sudden"};
+
+/// Cumulative energy between which no member runs in or wears out; from == to: there is none such.
+struct SteadyStage {
+    double from_J = 0.0, to_J = 0.0;
+    bool operator==(const SteadyStage&) const = default;
+    [[nodiscard]] bool holds(double c_e_J) const { return c_e_J >= from_J && c_e_J <= to_J && to_J > from_J; }
+};
+/// Where the friction of every curve falls or rises no faster than a few times its own median slope.
+[[nodiscard]] SteadyStage steady_stage(const std::vector<MeanCurve>& curves);
+
+/// What forecasts of landings left showed on brakes of the population that were left out of the learning (landings_forecast.hpp).
+struct ForecastCalibration {
+    double log_misfit = 0.0;                                       ///< mean of the logarithm of LandingsForecast::misfit()
+    double misfit_deviation = 0.0;                                 ///< its standard deviation; 0: not known
+    using Tenths = std::array<double, 9>;                          ///< at 10 to 90 % of life; between them a straight line
+    Tenths filter{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};    ///< weight of the filter's quantiles beside those of past lives
+    Tenths widening{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  ///< factor of the distance from the median, for 80 % of lives in the interval
+    bool operator==(const ForecastCalibration&) const = default;
+    [[nodiscard]] static double at(const Tenths& tenths, double share_of_life);
 };
 
 struct Population {
-    std::string source;         ///< for people
+    std::string source;  ///< for people
+    Provenance provenance;
     std::vector<Model> models;  ///< of brakes that were worn out, at least one
     Scatter scatter;
     Spread spread;
     HealthLimits limits;
+    SteadyStage steady;
+    ForecastCalibration calibration;
     std::vector<MeanCurve> members;  ///< the models' curves
     bool operator==(const Population& other) const {
-        return source == other.source && models == other.models && scatter == other.scatter && spread == other.spread && limits == other.limits;
+        return source == other.source && provenance == other.provenance && models == other.models && scatter == other.scatter &&
+               spread == other.spread && limits == other.limits && steady == other.steady && calibration == other.calibration;
     }
 };
 

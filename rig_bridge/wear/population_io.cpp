@@ -47,22 +47,51 @@ Spread spread_of(Reader r, const std::string& file) {
     return s;
 }
 
+ForecastCalibration::Tenths tenths_of(const Json& list, const std::string& file, const char* key) {
+    ForecastCalibration::Tenths out{};
+    if (!list.is_array() || list.size() != out.size()) throw Error(file, 0, key, fmt::format("must be an array of {} numbers", out.size()));
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        if (!list[i].is_number() || !(list[i].get<double>() >= 0.0)) throw Error(file, 0, key, "must be numbers, not negative");
+        out.at(i) = list[i].get<double>();
+    }
+    return out;
+}
+
+ForecastCalibration calibration_of(Reader r, const std::string& file) {
+    ForecastCalibration c;
+    c.log_misfit = r.number("log_misfit");
+    c.misfit_deviation = not_negative(r, file, "misfit_deviation");
+    c.filter = tenths_of(r.get("filter"), file, "calibration.filter");
+    c.widening = tenths_of(r.get("widening"), file, "calibration.widening");
+    r.finish();
+    return c;
+}
+
 }  // namespace
 
 std::string to_json(const Population& p) {
     Json models = Json::array();
+    Json limits;
+    for (std::size_t i = 0; i < kHealthTests.size(); ++i) limits[kHealthTestNames.at(i)] = p.limits.*kHealthTests.at(i);
     for (const Model& model : p.models) models.push_back(Json::parse(to_json(model)));
     const Json json{
         {"format", kPopulationFormat},
         {"format_version", kPopulationFormatVersion},
         {"source", p.source},
+        {"learnt_from", json_of(p.provenance)},
         {"scatter",
          {{"memory", p.scatter.memory},
           {"remembered", p.scatter.remembered},
           {"fresh", p.scatter.fresh},
           {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
         {"spread", {{"log_energy_scale", p.spread.log_energy_scale}, {"offset", p.spread.offset}, {"evidence_kept", p.spread.evidence_kept}}},
-        {"health_limits", {{"gradual", p.limits.gradual}, {"sudden", p.limits.sudden}}},
+        {"steady_stage", {{"from_J", p.steady.from_J}, {"to_J", p.steady.to_J}}},
+        {"health_limits", limits},
+        {"calibration",
+         {{"log_misfit", p.calibration.log_misfit},
+          {"misfit_deviation", p.calibration.misfit_deviation},
+          {"filter", p.calibration.filter},
+          {"widening", p.calibration.widening}}},
         {"models", models}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -74,12 +103,19 @@ Population population_from_json(const std::string& name, std::string_view text) 
     root.check_format(kPopulationFormat, kPopulationFormatVersion);
     Population out;
     out.source = root.text("source");
+    Reader learnt = root.object("learnt_from");
+    out.provenance = {learnt.origin(), learnt.count("lives", 1)};
+    learnt.finish();
     out.scatter = scatter_of(root.object("scatter"), name);
     out.spread = spread_of(root.object("spread"), name);
+    Reader steady = root.object("steady_stage");
+    out.steady.from_J = not_negative(steady, name, "from_J");
+    out.steady.to_J = not_negative(steady, name, "to_J");
+    steady.finish();
     Reader limits = root.object("health_limits");
-    out.limits.gradual = limits.positive("gradual");
-    out.limits.sudden = limits.positive("sudden");
+    for (std::size_t i = 0; i < kHealthTests.size(); ++i) out.limits.*kHealthTests.at(i) = limits.positive(kHealthTestNames.at(i));
     limits.finish();
+    out.calibration = calibration_of(root.object("calibration"), name);
     const Json& models = root.get("models");
     root.finish();
     if (!models.is_array() || models.empty()) throw Error(name, 0, "models", "must be an array of models, not empty");

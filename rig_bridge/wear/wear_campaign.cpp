@@ -142,6 +142,23 @@ void check_point(const std::string& file, unsigned line, const Point& point, con
                                 step_J, kGreatestStep_J));
 }
 
+constexpr std::string_view kOrigin = "# origin: ";
+
+std::string origin_of(const std::string& name, std::string_view csv) {
+    unsigned number = 1;
+    for (std::size_t begin = 0; begin < csv.size() && csv[begin] == '#'; ++number) {
+        const std::size_t end = std::min(csv.find('\n', begin), csv.size());
+        std::string_view line = csv.substr(begin, end - begin);
+        begin = end + 1;
+        if (!line.starts_with(kOrigin)) continue;
+        line.remove_prefix(kOrigin.size());
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        if (!is_origin(line)) throw Error(name, number, "origin", "must begin with 'measured' or 'made up'");
+        return settings::printable(line);
+    }
+    return kUnknownOrigin;
+}
+
 }  // namespace
 
 void check(const Campaign& campaign, unsigned first_line) {
@@ -166,6 +183,7 @@ void check(const Campaign& campaign, unsigned first_line) {
 Campaign parse_campaign(const std::string& name, std::string_view csv) {
     Campaign campaign;
     campaign.source = name;
+    campaign.origin = origin_of(name, csv);
     std::optional<Columns> columns;
     for (CsvRows rows(csv); rows.next();) {
         const unsigned line_number = rows.line();
@@ -210,7 +228,8 @@ double taken_before_J(const Campaign& campaign) {
 
 std::string to_csv(const Campaign& campaign) {
     const bool brakings = !campaign.brakings.empty();
-    std::string csv = "maneuver,mean_friction,brake_energy_J,cumulative_energy_J";
+    std::string csv = campaign.origin == kUnknownOrigin ? std::string() : fmt::format("{}{}\n", kOrigin, campaign.origin);
+    csv += "maneuver,mean_friction,brake_energy_J,cumulative_energy_J";
     if (brakings) {
         for (const BrakingColumn& column : kBraking) csv.append(",").append(column.name);
     }

@@ -42,8 +42,25 @@ TEST_CASE("nobody is better than the oracle, whatever the number of threads", "[
         CHECK(one.within.at(e).crps >= oracle.crps);
         CHECK(one.within.at(e).crps == two.within.at(e).crps);
         CHECK(one.across.value().at(e).crps == two.across.value().at(e).crps);
-        for (std::size_t k = 0; k < kTenths; ++k) CHECK(one.within.at(e).left.at(k).pinball == two.within.at(e).left.at(k).pinball);
+        for (std::size_t k = 0; k < kTenths; ++k) CHECK(one.within.at(e).left.at(k).crps == two.within.at(e).left.at(k).crps);
     }
+}
+
+TEST_CASE("across laws what is shipped loses less than the filter alone, and holds more", "[WEAR-070][WEAR-072]") {
+    Plan plan = small_plan(2);
+    plan.laws = {Law::archard, Law::oxidation};
+    plan.training_lives = 6;
+    const Result result = run(plan);
+    const auto sum = [&](Entrant e, double LeftScore::*value) {
+        double all = 0.0;
+        for (const LeftScore& left : result.across.value().at(static_cast<std::size_t>(e)).left) all += left.*value / kTenths;
+        return all;
+    };
+    CHECK(sum(Entrant::shipped, &LeftScore::crps) < sum(Entrant::filter, &LeftScore::crps));
+    CHECK(sum(Entrant::shipped, &LeftScore::held) > sum(Entrant::filter, &LeftScore::held));
+    CHECK(sum(Entrant::past_lives, &LeftScore::skill) == 0.0);
+    CHECK(sum(Entrant::oracle, &LeftScore::skill) == Approx(1.0));
+    CHECK(result.within_by_law.size() == 2);
 }
 
 TEST_CASE("scores of who knows the truth are those of a normal distribution in closed form", "[WEAR-070]") {

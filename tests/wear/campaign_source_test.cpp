@@ -130,6 +130,15 @@ TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is
     CHECK_THROWS_AS(plant_sim::lab::load_campaigns({folder / "none"}), settings::Error);
 }
 
+TEST_CASE("nobody's brake is judged by made-up ones unless that is asked for", "[WEAR-071]") {
+    plant_sim::lab::PopulationOptions options;
+    CHECK_THROWS_WITH(options.read(), ContainsSubstring("made up"));
+    options.assume_made_up = true;
+    CHECK(options.read().population.provenance.made_up());
+    options = {"config/wear/model.json", false};
+    CHECK(options.read().population.provenance.lives == 1);
+}
+
 TEST_CASE("a landing's energy and the torque reserve are those of the configuration", "[WEAR-050]") {
     // By hand: light 2800 kg at 49 m/s, medium_a 3150 at 52, medium_b 3300 at 53, 76 % to the brake, an eighth on the model's axis.
     const plant_sim::lab::ConfiguredMix c = plant_sim::lab::configured_mix("config", "light=1,medium=3", 0.24);

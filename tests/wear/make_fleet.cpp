@@ -20,6 +20,7 @@ namespace {
 wear::Campaign drawn(const std::shared_ptr<const wear::Model>& model, wear::Choice choice, std::uint64_t seed) {
     wear::WearingBrake brake({model, {}, model->data.last_c_e_J, {}}, {wear::Variance::exact, choice}, {seed, 0, 0.0});
     wear::Campaign campaign;
+    campaign.origin = "made up by drawing from " + model->data.source;
     for (std::size_t i = 0; i < model->data.maneuvers; ++i) {
         const double friction = brake.next_friction();
         brake.take(model->data.mean_step_J());

@@ -47,14 +47,28 @@ TEST_CASE("a model file gives back the model to the last bit", "[WEAR-011]") {
     CHECK(model.orders.size() == 4);
 }
 
+TEST_CASE("a model says what it was learnt from; one of before that could be said is of unknown origin", "[WEAR-071]") {
+    const std::string json = wear::to_json(some_model());
+    const std::string says = ",\n    \"origin\": \"made up by the law of tests/wear/physical_campaign.hpp\"";
+    CHECK(wear::from_json("m", json).data.origin == physical::campaign({}, 11).origin);
+    const std::string old = replaced(replaced(json, says, ""), "\"format_version\": 2", "\"format_version\": 1");
+    CHECK(wear::from_json("m", old).data.origin == wear::kUnknownOrigin);
+    CHECK_THAT(model_rejection(replaced(json, says, "")), ContainsSubstring("data.origin: is missing"));
+    CHECK_THAT(model_rejection(replaced(json, "made up by", "by")), ContainsSubstring("data.origin: must begin with 'measured' or 'made up'"));
+    CHECK(wear::Provenance{"measured on rig 7", 12}.sentence() == "measured on rig 7, 12 lives");
+    CHECK(wear::common_origin({"measured", "measured"}) == "measured");
+    CHECK(wear::common_origin({"measured", wear::kUnknownOrigin}) == wear::kUnknownOrigin);
+    CHECK(wear::common_origin({"measured", "made up"}) == "made up (1 of 2 lives; others are of other origin)");
+}
+
 TEST_CASE("a model file that is none is refused, naming file and key", "[WEAR-011]") {
     const std::string json = wear::to_json(some_model());
     CHECK_THAT(model_rejection(""), ContainsSubstring("model.json: no JSON"));
     CHECK_THAT(model_rejection(json.substr(0, json.size() / 2)), ContainsSubstring("model.json: no JSON"));
     CHECK_THAT(model_rejection("[]"), ContainsSubstring("model.json: must be an object"));
     CHECK_THAT(model_rejection(replaced(json, "antiskid wear model", "other")), ContainsSubstring("model.json: format: must be"));
-    CHECK_THAT(model_rejection(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
-               ContainsSubstring("format_version: 2 is not the version"));
+    CHECK_THAT(model_rejection(replaced(json, "\"format_version\": 2", "\"format_version\": 9")),
+               ContainsSubstring("format_version: 9 is not the version"));
     CHECK_THAT(model_rejection(replaced(json, "\"maneuvers\"", "\"landings\"")), ContainsSubstring("model.json: data.maneuvers: is missing"));
     CHECK_THAT(model_rejection(replaced(json, "\"starts\": 5", "\"starts\": \"5\"")), ContainsSubstring("search.starts: must be an integer"));
     CHECK_THAT(model_rejection(replaced(json, "\"tolerance\": 1e-08", "\"tolerance\": -1")),

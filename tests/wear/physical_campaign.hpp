@@ -48,6 +48,7 @@ inline wear::Campaign campaign(const BrakeLaw& law, std::uint64_t seed, std::vec
     wear::Generator generator = wear::generator_of(seed, 0);
     wear::Campaign out;
     out.source = "physical law";
+    out.origin = "made up by the law of tests/wear/physical_campaign.hpp";
     double temperature = wear::normal(generator);
     double following = temperature;  // lags behind temperature within the play
     double worn_J = 0.0;

@@ -2,20 +2,27 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "rig_bridge/wear/fit.hpp"
+#include "rig_bridge/wear/learn_population.hpp"
 #include "rig_bridge/wear/model_io.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
+#include "rig_bridge/wear/population_io.hpp"
 #include "rig_bridge/wear/wearing_brake.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"
+#include "tests/wear/fleet.hpp"
 #include "tests/wear/physical_campaign.hpp"
 
 namespace {
 
 const std::string kCampaign = "config/wear/endurance_campaign.csv";
 const std::string kModel = "config/wear/model.json";
+const std::string kPopulation = "config/wear/population.json";
 
 std::string made_up_campaign() {
     std::string csv =
@@ -26,6 +33,7 @@ std::string made_up_campaign() {
         "scatter that remembers), seed 1.\n"
         "# Put your own rig's campaign in its place. Made by: build/release/tests/wear/test_wear_shipped "
         "'[.regenerate]'\n"
+        "# origin: made up by the law of tests/wear/physical_campaign.hpp, seed 1\n"
         "maneuver,mean_friction,cumulative_energy_MJ\n";
     const wear::Campaign campaign = physical::campaign(physical::shipped_law(), 1);
     for (std::size_t i = 0; i < campaign.points.size(); ++i)
@@ -39,6 +47,22 @@ std::string fitted_model() {
     return wear::to_json(wear::model_of(data, wear::fit(data, settings, {2, {}, {}}), settings));
 }
 
+wear::Population made_up_population() {
+    const auto brakes = [](std::uint64_t first, std::uint64_t count) {
+        std::vector<wear::Campaign> out;
+        for (std::uint64_t seed = first; seed < first + count; ++seed) {
+            out.push_back(physical::worn_out(seed).campaign);
+            out.back().source = fmt::format("brake of seed {}", seed);
+        }
+        return out;
+    };
+    wear::LearnSettings settings;
+    settings.limit = 0.2;
+    settings.healthy = brakes(10000, 1000);
+    settings.threads = wear::all_cores();
+    return wear::learn_population(brakes(1000, 40), settings);
+}
+
 }  // namespace
 
 TEST_CASE("the shipped campaign is what the physical law makes of seed 1", "[WEAR-011]") {
@@ -49,7 +73,15 @@ TEST_CASE("the shipped model is what `rig-lab wear fit` makes of the shipped cam
     CHECK(content_of(kModel) == fitted_model());
 }
 
-TEST_CASE("writes the shipped campaign and model anew", "[.regenerate]") {
+TEST_CASE("the shipped population says that it is made up, and is what its law makes of its seeds", "[WEAR-071]") {
+    const wear::Population shipped = wear::read_population(kPopulation).population;
+    CHECK(shipped.provenance.made_up());
+    CHECK(shipped.provenance.lives == 40);
+    CHECK(shipped == made_up_population());
+}
+
+TEST_CASE("writes the shipped campaign, model and population anew", "[.regenerate]") {
     put(kCampaign, made_up_campaign());
     put(kModel, fitted_model());
+    put(kPopulation, wear::to_json(made_up_population()));
 }

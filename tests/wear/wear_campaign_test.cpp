@@ -50,6 +50,16 @@ TEST_CASE("a table that was written reads back to the last bit, and its hash tel
     }
 }
 
+TEST_CASE("a campaign says where it is from, or it is of unknown origin", "[WEAR-071]") {
+    const std::string rows = kHead + "1,1,0.3\n2,2,0.29\n";
+    CHECK(parse_campaign("data.csv", rows).origin == wear::kUnknownOrigin);
+    const wear::Campaign measured = parse_campaign("data.csv", "# of March\n# origin: measured on rig 7\r\n" + rows);
+    CHECK(measured.origin == "measured on rig 7");
+    CHECK(parse_campaign("data.csv", wear::to_csv(measured)) == measured);
+    CHECK(wear::data_hash(measured) == wear::data_hash(parse_campaign("data.csv", rows)));
+    CHECK(rejection("# of March\n# origin: a friend\n" + rows) == "data.csv:2: origin: must begin with 'measured' or 'made up'");
+}
+
 TEST_CASE("energy that was counted before the first maneuver is not that maneuver's", "[WEAR-001]") {
     const wear::Campaign c = parse_campaign("c", "cumulative_energy_MJ,mean_friction\n100,0.3\n101,0.29\n102,0.28\n");
     CHECK(std::isnan(wear::brake_energy_J(c, 0)));

@@ -1,0 +1,29 @@
+/// What a learnt file was learnt from. Whoever uses the file says it again in what comes of it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace wear {
+
+inline constexpr const char* kUnknownOrigin = "unknown origin";
+
+/// Whether a text says an origin: it begins with "measured" or "made up" (by which law or simulator, on which rig), or is kUnknownOrigin.
+[[nodiscard]] bool is_origin(std::string_view text);
+
+struct Provenance {
+    std::string origin = kUnknownOrigin;
+    std::size_t lives = 1;  ///< brakes that it was learnt from
+    bool operator==(const Provenance&) const = default;
+
+    [[nodiscard]] bool made_up() const { return origin.starts_with("made up"); }
+    /// "made up by the law of X, 40 lives".
+    [[nodiscard]] std::string sentence() const;
+};
+
+/// Of several: what all of them say; of different ones the least that can be trusted, made up before unknown before measured.
+[[nodiscard]] std::string common_origin(const std::vector<std::string>& origins);
+
+}  // namespace wear

@@ -1,0 +1,123 @@
+#include "rig_bridge/wear/landings_forecast.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "plant_sim/wear/rival_laws.hpp"
+#include "rig_bridge/wear/learn_population.hpp"
+#include "tests/catch.hpp"
+
+namespace {
+
+using wear::arena::Law;
+
+const wear::arena::Settings& lives_of() {
+    static const wear::arena::Settings s = wear::arena::load_settings("config/wear_arena.toml");
+    return s;
+}
+
+const wear::Population& learnt_of_oxidation() {
+    static const wear::Population p = [] {
+        std::vector<wear::Campaign> lives;
+        for (std::uint64_t k = 0; k < 6; ++k) lives.push_back(wear::arena::live(Law::oxidation, lives_of(), lives_of().training + k).campaign);
+        wear::LearnSettings learn;
+        learn.fit.max_components = 4;
+        learn.fit.starts = 3;
+        learn.limit = lives_of().limit;
+        return wear::learn_population(lives, learn);
+    }();
+    return p;
+}
+
+/// Mean probability, over five brakes at half of their life, that the brake is of the population's kind.
+double alike(Law law) {
+    double sum = 0.0;
+    for (std::uint64_t k = 0; k < 5; ++k) {
+        const wear::arena::Life life = wear::arena::live(law, lives_of(), lives_of().tuning + k);
+        wear::LandingsForecast brake(learnt_of_oxidation());
+        for (std::size_t i = 0; i < life.landings() / 2; ++i) brake.learn(life.campaign.points[i]);
+        sum += brake.alike() / 5.0;
+    }
+    return sum;
+}
+
+std::vector<double> ramp(double begin, double step) {
+    std::vector<double> out(100);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = begin + step * static_cast<double>(i);
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("past lives are Student's t of the logarithm, of brakes that are not worn out yet", "[WEAR-072]") {
+    wear::Population p = learnt_of_oxidation();
+    const wear::PastLives past(p, lives_of().limit);
+    REQUIRE(past.known());
+    std::vector<double> logs;
+    for (const wear::MeanCurve& c : p.members) logs.push_back(std::log(wear::crossing_J(c, lives_of().limit, c.last_J() / 500.0, 1.1 * c.last_J())));
+    const double n = static_cast<double>(logs.size());
+    const double mean = std::accumulate(logs.begin(), logs.end(), 0.0) / n;
+    double squares = 0.0;
+    for (const double x : logs) squares += (x - mean) * (x - mean);
+    CHECK(std::log(past.life_J(0.0, 0.5)) == Approx(mean).margin(1e-9));
+    // Student's t with 5 degrees of freedom: 90 % are below 1.4759.
+    CHECK(std::log(past.life_J(0.0, 0.9)) == Approx(mean + 1.4759 * std::sqrt(squares / (n - 1.0) * (1.0 + 1.0 / n))).margin(1e-4));
+    const double late_J = past.life_J(0.0, 0.9);
+    CHECK(past.life_J(late_J, 0.5) == Approx(past.life_J(0.0, 0.95)).epsilon(1e-9));
+    CHECK(past.life_J(1e12, 0.1) >= 1e12);
+    CHECK_FALSE(wear::PastLives(p, 0.05).known());  // no brake got there
+    p.members.resize(1, p.members.front());
+    CHECK_FALSE(wear::PastLives(p, lives_of().limit).known());
+}
+
+TEST_CASE("a brake of another kind is known by how it goes, and is given past lives", "[WEAR-072]") {
+    CHECK(alike(Law::oxidation) > 0.8);
+    CHECK(alike(Law::ostermeyer) < 0.2);
+    const wear::arena::Life life = wear::arena::live(Law::ostermeyer, lives_of(), lives_of().tuning);
+    wear::LandingsForecast brake(learnt_of_oxidation());
+    for (std::size_t i = 0; i < life.landings() / 2; ++i) brake.learn(life.campaign.points[i]);
+    wear::ForecastSettings ask;
+    ask.limit = lives_of().limit;
+    ask.draws = 200;
+    ask.horizon = 2000;
+    const wear::Forecast f = brake.forecast(lives_of().mix, ask);
+    const double c_e_J = life.campaign.points[life.landings() / 2 - 1].c_e_J;
+    const wear::PastLives past(learnt_of_oxidation(), ask.limit);
+    const double left = (past.life_J(c_e_J, 0.5) - c_e_J) / lives_of().mean_energy_J();
+    CHECK(f.landings_left[1].value() == Approx(left).epsilon(0.25));
+    CHECK(f.alike == brake.alike());
+    CHECK(std::is_sorted(f.landings.begin(), f.landings.end()));
+    CHECK(brake.forecast(lives_of().mix, ask).landings == f.landings);
+}
+
+TEST_CASE("draws of filter and past lives become one distribution", "[WEAR-072]") {
+    const std::vector<double> filter = ramp(100.0, 1.0), lives = ramp(50.0, 4.0);  // medians 150 and 250
+    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 1.0, 1.0}) == filter);
+    CHECK(wear::corrected(filter, lives, 0.0, {0.0, 1.0, 1.0}) == lives);
+    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 0.0, 1.0}) == lives);
+    CHECK(wear::corrected(filter, lives, 0.0, {0.5, 1.0, 1.0})[50] == 200.0);
+    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 1.0, 2.0}).front() == 50.0);
+    CHECK(wear::corrected(filter, lives, 120.0, {1.0, 1.0, 2.0}).front() == 120.0);
+    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 0.0, 5.0}) == lives);  // nothing to correct by
+    // A filter that sees no end of life gets that of the longest past one.
+    const std::vector<double> never(100, std::numeric_limits<double>::infinity());
+    CHECK(wear::corrected(never, lives, 0.0, {1.0, 1.0, 1.0}).back() == lives.back());
+}
+
+TEST_CASE("the score of draws is that of their distribution function", "[WEAR-072]") {
+    CHECK(wear::crps({3.0}, 5.0) == 2.0);
+    // Two values, 0 and 2, truth 1: the integral of (F - step)^2 is 1/4 on either side.
+    CHECK(wear::crps({0.0, 2.0}, 1.0) == Approx(0.5));
+}
+
+TEST_CASE("between the tenths a calibration goes straight", "[WEAR-072]") {
+    const wear::ForecastCalibration::Tenths tenths{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0};
+    CHECK(wear::ForecastCalibration::at(tenths, 0.0) == 1.0);
+    CHECK(wear::ForecastCalibration::at(tenths, 0.25) == Approx(2.5));
+    CHECK(wear::ForecastCalibration::at(tenths, 0.9) == Approx(9.0));
+    CHECK(wear::ForecastCalibration::at(tenths, 3.0) == 9.0);
+}
