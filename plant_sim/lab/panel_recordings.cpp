@@ -13,7 +13,6 @@
 #include "firmware/control/types.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "plant_sim/study/identification/recording.hpp"
-#include "plant_sim/study/validation/measured_signals.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/panel/curves.hpp"
@@ -22,6 +21,7 @@
 #include "rig_bridge/replay/log_meter.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
+#include "rig_bridge/replay/measured_signals.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 
 namespace plant_sim::lab {
@@ -89,7 +89,7 @@ Curves read_curves(const std::filesystem::path& log, const antiskid::can::Layout
     options.layout = &layout;
     rig::replay::LogReader reader(log, options, warnings);
     const double period_s = static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
-    validation::MeasuredSignals signals(reader, layout, period_s);
+    rig::replay::MeasuredSignals signals(reader, layout, period_s);
     rig::bridge::LiveSpeed rim(scenario.rig.rig.flywheel_encoder.teeth);
     rig::bridge::LiveSpeed wheel(scenario.rig.rig.wheel_encoder.teeth);
     std::vector<LiveSample> samples;
