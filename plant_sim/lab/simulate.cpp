@@ -17,6 +17,8 @@ namespace plant_sim::lab {
 namespace {
 
 struct FailingCommand {
+    using Sink = std::function<void(const std::string&)>;
+
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path out = "out/simulate";
     std::string json_file;  ///< "-": standard output
@@ -26,14 +28,11 @@ struct FailingCommand {
     bool trace = false;
 
     [[nodiscard]] int run() const {
-        return failing == "disk" ? run(simulation::CampaignOutcome{},
-                                       [this](std::uint64_t its, const auto& sink) { return simulation::run_disk_campaign(its, {}, sink); })
-                                 : run_cell();
+        if (failing == "cell") return run_cell();
+        return run(simulation::CampaignOutcome{}, [](std::uint64_t its, const Sink& sink) { return simulation::run_disk_campaign(its, {}, sink); });
     }
 
   private:
-    using Sink = std::function<void(const std::string&)>;
-
     [[nodiscard]] int run_cell() const {
         const simulation::CellSetup setup = simulation::load_cell_setup(config);
         return run(simulation::CellOutcome{}, [&](std::uint64_t its, const Sink& sink) {
