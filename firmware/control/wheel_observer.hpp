@@ -53,8 +53,8 @@ class WheelObserver {
         float steady_radps2 = 0.0F;     ///< omega v_dot / v
     };
     /// One period. A reading that is not valid, or a wheel that stands, begins anew. So does a reading that no wheel can have got to, the
-    /// encoder's patience after the last one that was believed; before that it is left out. Readings that stay off to one side mean another road: what was
-    /// learnt of it is forgotten.
+    /// encoder's patience after the last one that was believed; before that it is left out. Readings that stay off to one side mean another
+    /// road: what was learnt of it is forgotten.
     void update(const SpeedReading& reading, const Drive& drive);
 
     [[nodiscard]] const WheelMotion& motion() const { return motion_; }

@@ -25,7 +25,8 @@ class PastLives {
     double log_deviation_ = 0.0;  // of one more brake
 };
 
-/// The energy from which on the curve is below the limit, and no more than `end_J`: friction is below it in run-in, too, where contact is not there yet.
+/// The energy from which on the curve is below the limit, and no more than `end_J`: friction is below it in run-in, too, where contact is not
+/// there yet.
 [[nodiscard]] double crossing_J(const MeanCurve& curve, double limit, double step_J, double end_J);
 
 }  // namespace wear

@@ -39,8 +39,9 @@ struct Campaign {
 /// CSV with a header. Columns, in any order, others are passed over: `cumulative_energy_MJ` or `cumulative_energy_J` (one of them), and
 /// `mean_friction`. Where there are `brake_on_mps`, `mean_torque_Nm` and `mean_load_N`, all three and positive, too. Where there are `brake_serial`
 /// and `disc_serial`, each the same in all rows: wear of two discs is no campaign. Empty lines and lines that begin with # are passed over, but for
-/// `# origin: measured on rig 7` or `# origin: made up by ...`, which says where the campaign is from. At least two maneuvers; energy positive and strictly increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5,
-/// and not the same everywhere. Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
+/// `# origin: measured on rig 7` or `# origin: made up by ...`, which says where the campaign is from. At least two maneuvers; energy positive and
+/// strictly increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5, and not the same everywhere.
+/// Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
 [[nodiscard]] Campaign parse_campaign(const std::string& name, std::string_view csv);
 
 /// The same from a file.
@@ -49,8 +50,8 @@ struct Campaign {
 /// The same demands on points that came another way; row i is said to be line `first_line` + i of `campaign.source`.
 void check(const Campaign& campaign, unsigned first_line = 1);
 
-/// CSV that read_campaign() reads back to the last bit: the origin where it is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J, the brakings where there
-/// are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where energy was counted before it.
+/// CSV that read_campaign() reads back to the last bit: the origin where it is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J,
+/// the brakings where there are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where energy was counted before it.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 
 /// Of the points: the same for the same ones, wherever they came from and whatever else was recorded.
