@@ -51,7 +51,8 @@ struct Campaign {
 void check(const Campaign& campaign, unsigned first_line = 1);
 
 /// CSV that read_campaign() reads back to the last bit: the origin where it is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J,
-/// the brakings where there are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where energy was counted before it.
+/// the brakings where there are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where
+/// energy was counted before it.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 
 /// Of the points: the same for the same ones, wherever they came from and whatever else was recorded.
