@@ -117,8 +117,8 @@ Curves read_curves(const std::filesystem::path& log, const antiskid::can::Layout
 
 }  // namespace
 
-PanelRecordings::PanelRecordings(std::filesystem::path folder, std::filesystem::path config, antiskid::can::Layout layout)
-    : folder_(std::move(folder)), config_(std::move(config)), layout_(std::move(layout)) {
+PanelRecordings::PanelRecordings(std::filesystem::path folder, std::filesystem::path config, const antiskid::can::Layout& layout)
+    : folder_(std::move(folder)), config_(std::move(config)), layout_(layout) {
     (void)record::read_campaigns(ledger());
 }
 

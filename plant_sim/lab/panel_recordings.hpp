@@ -13,7 +13,7 @@ namespace plant_sim::lab {
 class PanelRecordings {
   public:
     /// `folder` has campaign.sqlite. Throws settings::Error when it has none.
-    PanelRecordings(std::filesystem::path folder, std::filesystem::path config, antiskid::can::Layout layout);
+    PanelRecordings(std::filesystem::path folder, std::filesystem::path config, const antiskid::can::Layout& layout);
 
     /// Every attempt of every campaign: {"runs":[{campaign, number, attempt, state, configuration, figures, notes, ...}]}.
     [[nodiscard]] std::string runs() const;

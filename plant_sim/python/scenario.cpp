@@ -1,5 +1,6 @@
 #include "plant_sim/python/scenario.hpp"
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -50,7 +51,7 @@ StopOptions options_of(const py::kwargs& keywords) {
         if (found == kKeywords.end()) {
             std::string known;
             for (const Keyword& k : kKeywords) known.append(known.empty() ? "" : ", ").append(k.name);
-            throw py::type_error("there is no '" + name + "'; there are: " + known);
+            throw py::type_error(fmt::format("there is no '{}'; there are: {}", name, known));
         }
         if (!value.is_none()) found->set(options, value);
     }

@@ -48,12 +48,12 @@ std::vector<PlannedFault> fewest_faults(const CellSetup& setup, std::uint64_t se
     }
     for (PlannedFault& fault : faults) {
         constexpr double kShortest_s = 0.01;
-        for (double before_s = fault.lasts_s; before_s > kShortest_s; before_s = fault.lasts_s) {
-            fault.lasts_s = 0.5 * before_s;
-            if (fails(faults)) continue;
-            fault.lasts_s = before_s;
-            break;
-        }
+        double needed_s = fault.lasts_s;
+        do {
+            needed_s = fault.lasts_s;
+            fault.lasts_s = 0.5 * needed_s;
+        } while (needed_s > kShortest_s && fails(faults));
+        fault.lasts_s = needed_s;
     }
     return faults;
 }

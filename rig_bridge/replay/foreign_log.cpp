@@ -87,7 +87,7 @@ LogFormat log_format(const fs::path& file) {
     std::error_code error;
     if (!fs::is_regular_file(file, error)) return LogFormat::candump;
     std::array<char, 16> head{};
-    const gzFile in = ::gzopen(file.c_str(), "rb");
+    gzFile_s* const in = ::gzopen(file.c_str(), "rb");
     if (in == nullptr) return LogFormat::candump;
     const int got = ::gzread(in, head.data(), head.size());
     ::gzclose_r(in);

@@ -1,7 +1,9 @@
 #include "rig_bridge/replay/table_writer.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <matio.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -10,7 +12,10 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
+
+#include "firmware/host/settings/file_descriptor.hpp"
 
 namespace rig::replay {
 
@@ -94,7 +99,7 @@ class MatWriter final : public TableWriter {
 
 }  // namespace
 
-PartFile::PartFile(std::filesystem::path path) : name_(path.string()), part_(path.string() + ".part") {
+PartFile::PartFile(const std::filesystem::path& path) : name_(path.string()), part_(path.string() + ".part") {
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
 }
 
@@ -104,6 +109,9 @@ PartFile::~PartFile() {
 }
 
 void PartFile::commit() {
+    const settings::FileDescriptor file(::open(part_.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!file.is_open() || ::fsync(file.get()) != 0)
+        throw std::filesystem::filesystem_error("cannot be stored", part_, std::error_code(errno, std::generic_category()));
     std::filesystem::rename(part_, name_);
 }
 

@@ -11,7 +11,7 @@ namespace rig::replay {
 /// A file that has its name once commit() was called; until then, and after a failure, there is none of that name but what was there before.
 class PartFile {
   public:
-    explicit PartFile(std::filesystem::path path);
+    explicit PartFile(const std::filesystem::path& path);
     ~PartFile();
     PartFile(const PartFile&) = delete;
     PartFile& operator=(const PartFile&) = delete;

@@ -213,6 +213,7 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
     for (std::size_t k = 0; k < out.widening.size(); ++k) {
         constexpr double kMaxWidening = 5.0;
         std::vector<std::pair<double, double>> near;
+        near.reserve(asked.size());
         for (const Asked& a : asked) near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), nearness(a, k));
         // No brake more is counted, as split conformal prediction does: those left out had one life less to learn from than the next one has.
         // Never narrower: that brakes left out lay nearer than foretold may be chance.

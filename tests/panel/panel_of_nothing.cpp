@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -13,7 +14,9 @@
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/panel/server.hpp"
 
-int main() {
+namespace {
+
+int run() {
     using rig::panel::Signal;
     antiskid::host::StopSignals stops;
     std::atomic<int> aborts{0};
@@ -51,4 +54,15 @@ int main() {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return 0;
+}
+
+}  // namespace
+
+int main() {
+    try {
+        return run();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "panel_of_nothing: %s\n", error.what());
+        return 1;
+    }
 }
