@@ -48,12 +48,12 @@ std::vector<PlannedFault> fewest_faults(const CellSetup& setup, std::uint64_t se
     }
     for (PlannedFault& fault : faults) {
         constexpr double kShortest_s = 0.01;
-        double needed_s = fault.lasts_s;
-        do {
-            needed_s = fault.lasts_s;
-            fault.lasts_s = 0.5 * needed_s;
-        } while (needed_s > kShortest_s && fails(faults));
-        fault.lasts_s = needed_s;
+        bool needed = false;
+        while (!needed && fault.lasts_s > kShortest_s) {
+            fault.lasts_s *= 0.5;
+            needed = !fails(faults);
+        }
+        if (needed) fault.lasts_s *= 2.0;
     }
     return faults;
 }
