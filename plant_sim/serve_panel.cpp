@@ -31,22 +31,18 @@ LiveSample sample_of(const plc::ServedRig& served, const ServeState& state) {
     return sample;
 }
 
-std::string state_of(const plc::ServedRig& served, const ServeState& state) {
-    const plc::Trip trip = state.trip;
-    const ordered_json facts{{"rig time", fmt::format("{:.1f} s", served.time_s())},
-                             {"PLC", trip == plc::Trip::none ? "ready" : "tripped"},
-                             {"controller", state.controller_heard ? "heard" : "silent"},
-                             {"wheel", served.wheel_on_rim() ? "on the rim" : "off the rim"},
-                             {"touchdowns", fmt::format("{}", served.maneuvers())},
-                             {"brake has taken", fmt::format("{:.3f} MJ", served.cumulative_energy_J() * 1e-6)},
-                             {"mean friction", fmt::format("{:.4f}", served.mean_friction())},
-                             {"periods late", fmt::format("{}", state.overruns.load())}};
-    const auto bits = static_cast<unsigned>(rig::at(served.measured(), rig::Measured::interlocks));
+std::string text_of(const ServePanel::Facts& f) {
+    const ordered_json facts{
+        {"rig time", fmt::format("{:.1f} s", f.time_s)},           {"PLC", f.trip == plc::Trip::none ? "ready" : "tripped"},
+        {"controller", f.controller_heard ? "heard" : "silent"},   {"wheel", f.wheel_on_rim ? "on the rim" : "off the rim"},
+        {"touchdowns", fmt::format("{}", f.touchdowns)},           {"brake has taken", fmt::format("{:.3f} MJ", f.energy_J * 1e-6)},
+        {"mean friction", fmt::format("{:.4f}", f.mean_friction)}, {"periods late", fmt::format("{}", f.late)}};
     ordered_json interlocks = ordered_json::object();
-    for (std::size_t i = 0; i < rig::kInterlockCount; ++i) interlocks[std::string(name(static_cast<rig::Interlock>(i)))] = (bits >> i & 1U) != 0;
+    for (std::size_t i = 0; i < rig::kInterlockCount; ++i)
+        interlocks[std::string(name(static_cast<rig::Interlock>(i)))] = (f.interlocks >> i & 1U) != 0;
     ordered_json alarms = ordered_json::array();
-    if (trip != plc::Trip::none)
-        alarms.push_back({{"name", fmt::format("PLC tripped: {}", plc::name(trip))},
+    if (f.trip != plc::Trip::none)
+        alarms.push_back({{"name", fmt::format("PLC tripped: {}", plc::name(f.trip))},
                           {"happened", "the drive is off, the sledge goes back"},
                           {"next", "the bridge resets it once every interlock is good"}});
     return ordered_json{{"facts", facts}, {"interlocks", interlocks}, {"alarms", alarms}}.dump();
@@ -55,15 +51,39 @@ std::string state_of(const plc::ServedRig& served, const ServeState& state) {
 }  // namespace
 
 ServePanel::ServePanel(const std::string& address, const std::string& scenario)
-    : server_({.address = rig::panel::parse_address(address),
-               .about = {.title = "virtual-rig: " + scenario, .simulated = true, .rooms = {"live"}},
+    : feed_([this] { return states(); }),
+      server_({.address = rig::panel::parse_address(address),
+               .about = {.title = "virtual-rig: " + scenario, .simulated = true, .views = {"live"}},
                .reads = {},
                .changes = {}},
               &feed_) {}
 
 void ServePanel::show(const plc::ServedRig& rig, const ServeState& state) {
+    constexpr double kEvery_s = 0.1;
     feed_.sample(sample_of(rig, state));
-    if (feed_.state_due(rig.time_s())) feed_.state(state_of(rig, state), rig.time_s());
+    if (rig.time_s() < next_s_) return;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return;
+    next_s_ = rig.time_s() + kEvery_s;
+    facts_ = {.time_s = rig.time_s(),
+              .trip = state.trip,
+              .controller_heard = state.controller_heard,
+              .wheel_on_rim = rig.wheel_on_rim(),
+              .touchdowns = rig.maneuvers(),
+              .energy_J = rig.cumulative_energy_J(),
+              .mean_friction = rig.mean_friction(),
+              .late = state.overruns,
+              .interlocks = static_cast<unsigned>(rig::at(rig.measured(), rig::Measured::interlocks))};
+}
+
+std::optional<std::string> ServePanel::states() {
+    std::optional<Facts> facts;
+    {
+        const std::lock_guard lock(mutex_);
+        facts.swap(facts_);
+    }
+    if (!facts) return std::nullopt;
+    return text_of(*facts);
 }
 
 }  // namespace plant_sim

@@ -325,10 +325,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "bench_plant: %s\n", e.what());
-        return 1;
-    }
+    return bench::status_of("bench_plant", [&] { return run(argc, argv); });
 }

@@ -66,10 +66,5 @@ int run() {
 }  // namespace
 
 int main() {
-    try {
-        return run();
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "bench_python: {}\n", error.what());
-        return 1;
-    }
+    return bench::status_of("bench_python", run);
 }

@@ -146,10 +146,5 @@ int run() {
 }  // namespace
 
 int main() {
-    try {
-        return run();
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "bench_stop: %s\n", e.what());
-        return 1;
-    }
+    return bench::status_of("bench_stop", run);
 }

@@ -125,10 +125,5 @@ int run() {
 }  // namespace
 
 int main() {
-    try {
-        return run();
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "bench_sweep: %s\n", e.what());
-        return 1;
-    }
+    return bench::status_of("bench_sweep", run);
 }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <ctime>
+#include <exception>
 #include <vector>
 
 namespace bench {
@@ -31,6 +33,17 @@ inline double quantile(std::vector<double> values, double share) {
 }
 inline double median(const std::vector<double>& values) {
     return quantile(values, 0.5);
+}
+
+/// What main() returns: the benchmark's status, or 1 and its error on standard error.
+template <typename Run>
+int status_of(const char* name, const Run& run) {
+    try {
+        return run();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s: %s\n", name, error.what());
+        return 1;
+    }
 }
 
 }  // namespace bench

@@ -34,14 +34,14 @@ struct PanelCommand {
         panel::ServerOptions options{
             .address = panel::parse_address(at),
             .about = {.title = "rig-lab" + (folder.empty() ? "" : ": " + std::filesystem::weakly_canonical(folder).filename().string()),
-                      .rooms = {},
+                      .views = {},
                       .what_if = tried.fields()}};
         std::optional<PanelRecordings> recorded;
         if (!folder.empty()) {
             recorded.emplace(folder, config,
                              antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
                                                         binding.empty() ? config / "antiskid_binding.toml" : binding));
-            options.about.rooms.emplace_back("recorded");
+            options.about.views.emplace_back("recorded");
             options.reads["runs"] = [&recorded](const panel::Query&) { return recorded->runs(); };
             options.reads["run"] = [&recorded](const panel::Query& q) {
                 return recorded->run(q.text("campaign"), q.integer("number"), q.integer("attempt"));
@@ -50,7 +50,7 @@ struct PanelCommand {
                 return recorded->note(q.text("campaign"), q.integer("number"), q.integer("attempt"), q.text("who"), q.text("text"));
             };
         }
-        options.about.rooms.emplace_back("what_if");
+        options.about.views.emplace_back("what_if");
         options.reads["stop"] = [&tried](const panel::Query& q) { return tried.stop(q); };
         const panel::Server server(std::move(options));
         fmt::print("{}\nCtrl-C ends it\n", server.greeting());

@@ -33,8 +33,8 @@ void check(const Field& field, const Query& query) {
         return;
     }
     const double value = query.number(field.key);
-    if (!(value >= field.least && value <= field.most))
-        throw std::invalid_argument(fmt::format("{}: expected {} to {}, got {}", field.key, field.least, field.most, value));
+    if (!(value >= field.min && value <= field.max))
+        throw std::invalid_argument(fmt::format("{}: expected {} to {}, got {}", field.key, field.min, field.max, value));
 }
 
 LiveSample sample_of(const study::RigSession& session, const antiskid::can::ControllerView& view, double current_mA) {
@@ -59,9 +59,9 @@ PanelStops::PanelStops(std::filesystem::path config) : config_(std::move(config)
         {.key = "maneuver", .label = "landing", .words = rig::maneuver_names(config_), .value = "heavy"},
         {.key = "surface", .label = "surface", .words = rig::surface_names(config_), .value = "dry_asphalt"},
         {.key = "law", .label = "law", .words = {"slip", "peak_slip", "threshold", "pressure_bias"}, .value = "slip"},
-        {.key = "slip", .label = "slip reference", .least = 0.02, .most = 0.5, .step = 0.01, .value = "0.24"},
-        {.key = "speed", .label = "speed at brake-on", .unit = "m/s", .least = 20.0, .most = 80.0, .step = 1.0, .value = "61"},
-        {.key = "friction", .label = "brake friction (wear lowers it)", .least = 0.15, .most = 0.45, .step = 0.01, .value = "0.30"},
+        {.key = "slip", .label = "slip reference", .min = 0.02, .max = 0.5, .step = 0.01, .value = "0.24"},
+        {.key = "speed", .label = "speed at brake-on", .unit = "m/s", .min = 20.0, .max = 80.0, .step = 1.0, .value = "61"},
+        {.key = "friction", .label = "brake friction (wear lowers it)", .min = 0.15, .max = 0.45, .step = 0.01, .value = "0.30"},
     };
 }
 

@@ -33,7 +33,7 @@ panel::ServerOptions options_of(const BridgeSetup& setup, const std::filesystem:
     panel::ServerOptions options{.address = panel::parse_address(setup.options.panel),
                                  .about = {.title = "rig-bridge: " + setup.scenario.title,
                                            .simulated = simulated,
-                                           .rooms = {"live"},
+                                           .views = {"live"},
                                            .emergency_stop = "It is at the rig: the red button, and the guard's and hydraulics' own cut-off."}};
     options.changes["abort"] = [&stops](const panel::Query&) {
         if (!stops.ask_first(SIGINT)) throw std::runtime_error("the bridge ends already");

@@ -122,6 +122,9 @@ class CampaignRun {
                 slip_reference_ = shares.reference();
                 shared_ = line(shares);
             }
+            if (with_panel_ && !command_.wear_model.empty())
+                landings_left_ = landings_left(command_.wear_model, record::read_ledger(ledger_file(command_.rig.out), name_),
+                                               command_.rules.min_friction.value_or(0.0));
             attempt = ledger_.begin(*number, now_text(), slip_reference_);
         });
         return attempt;
@@ -142,12 +145,7 @@ class CampaignRun {
                                      .left_s = pace_.left_s(command_.rules.maneuvers - finished),
                                      .regulation = shared_,
                                      .health = watch_ == nullptr ? "" : health_text(watch_->newest()),
-                                     .landings_left = landings()}};
-    }
-    [[nodiscard]] std::string landings() const {
-        if (!with_panel_ || command_.wear_model.empty()) return {};
-        return landings_left(command_.wear_model, record::read_ledger(ledger_file(command_.rig.out), name_),
-                             command_.rules.min_friction.value_or(0.0));
+                                     .landings_left = landings_left_}};
     }
     /// Everything is off meanwhile.
     void while_held() {
@@ -204,6 +202,7 @@ class CampaignRun {
     std::string shared_;                    // how wear is shared, for people
     record::HealthWatch* watch_;            // none: nobody judges the brake
     bool with_panel_;
+    std::string landings_left_;  // for the panel
     CampaignJudge judge_;
     Pace pace_;
     Session session_;

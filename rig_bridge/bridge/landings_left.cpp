@@ -4,8 +4,7 @@
 
 #include <optional>
 
-#include "rig_bridge/wear/brake_filter.hpp"
-#include "rig_bridge/wear/forecast.hpp"
+#include "rig_bridge/wear/landings_forecast.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 #include "rig_bridge/wear/wear_campaign.hpp"
 
@@ -19,16 +18,17 @@ std::string landings_left(const std::filesystem::path& model, const std::vector<
             campaign.points.push_back({row.summary.cumulative_energy_J, row.summary.figures.mean_friction});
     if (campaign.points.size() < 2 || !(min_friction > 0.0)) return {};
     const wear::PopulationFile file = wear::read_population(model);
-    wear::BrakeFilter filter(file.population);
-    for (const wear::Point& point : campaign.points) filter.learn(point);
+    wear::LandingsForecast brake(file.population);
+    for (const wear::Point& point : campaign.points) brake.learn(point);
     const wear::ForecastSettings settings{.limit = min_friction, .horizon = 3000, .draws = 400};
-    const wear::Forecast f = wear::forecast(filter, campaign.points.back().c_e_J, wear::mix_of(campaign, kNewest), settings);
-    if (f.already_crossed()) return fmt::format("none: mean friction is below {:g}, by {}", min_friction, model.string());
+    const wear::Forecast f = brake.forecast(wear::mix_of(campaign, kNewest), settings);
+    const std::string by = file.population.provenance.sentence();
+    if (f.already_crossed()) return fmt::format("none: mean friction is below {:g}, by brakes {}", min_friction, by);
     const auto text = [&](const std::optional<int>& landings) {
         return landings ? fmt::format("{}", *landings) : fmt::format("over {}", settings.horizon);
     };
-    return fmt::format("{} ({} to {}, 10 to 90 %) to mean friction {:g}, by {}", text(f.landings_left[1]), text(f.landings_left[0]),
-                       text(f.landings_left[2]), min_friction, model.string());
+    return fmt::format("{} ({} to {}, 10 to 90 %) to mean friction {:g}, by brakes {}", text(f.landings_left[1]), text(f.landings_left[0]),
+                       text(f.landings_left[2]), min_friction, by);
 }
 
 }  // namespace rig::bridge

@@ -7,7 +7,7 @@
 namespace rig::panel {
 
 std::string to_json(const About& about, const std::vector<std::string>& changes) {
-    nlohmann::ordered_json json{{"title", about.title}, {"simulated", about.simulated},           {"rooms", about.rooms},
+    nlohmann::ordered_json json{{"title", about.title}, {"simulated", about.simulated},           {"views", about.views},
                                 {"changes", changes},   {"emergency_stop", about.emergency_stop}, {"version", ANTISKID_VERSION}};
     json["channels"] = nlohmann::ordered_json::array();
     for (const Channel& c : kChannels)
@@ -16,7 +16,7 @@ std::string to_json(const About& about, const std::vector<std::string>& changes)
     for (const Field& f : about.what_if) {
         nlohmann::ordered_json field{{"key", f.key}, {"label", f.label}, {"unit", f.unit}, {"value", f.value}};
         if (f.words.empty())
-            field.update({{"least", f.least}, {"most", f.most}, {"step", f.step}});
+            field.update({{"min", f.min}, {"max", f.max}, {"step", f.step}});
         else
             field["words"] = f.words;
         json["what_if"].push_back(std::move(field));

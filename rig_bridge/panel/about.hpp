@@ -10,14 +10,14 @@ namespace rig::panel {
 struct Field {
     std::string key, label, unit{};
     std::vector<std::string> words{};  ///< empty: a number
-    double least = 0.0, most = 1.0, step = 0.01;
+    double min = 0.0, max = 1.0, step = 0.01;
     std::string value;  ///< at first
 };
 
 struct About {
     std::string title;
     bool simulated = false;          ///< no rig moves
-    std::vector<std::string> rooms;  ///< of the page: live, recorded, what_if
+    std::vector<std::string> views;  ///< of the page: live, recorded, what_if
     std::string emergency_stop{};    ///< where it is; empty: nothing moves
     std::vector<Field> what_if{};
 };

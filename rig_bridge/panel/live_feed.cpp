@@ -54,8 +54,8 @@ void LiveFeed::collect(const Publish& publish) {
     Pixel pixel;
     for (LiveSample sample; ring_.pop(sample);) pixel.add(sample);
     if (!pixel.empty()) publish("pixel", pixel.json());
-    std::optional<std::string> state;
-    {
+    std::optional<std::string> state = states_ ? states_() : std::nullopt;
+    if (!state) {
         const std::lock_guard lock(mutex_);
         state.swap(state_);
     }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "firmware/host/spsc_ring.hpp"
 
@@ -64,11 +65,15 @@ class Pixel {
 /// One writing thread, the program's loop; one reading thread, the server's.
 class LiveFeed {
   public:
+    using States = std::function<std::optional<std::string>()>;
+    /// `states`, where the loop is not to make them: asked by the reader, none where there are no new ones.
+    explicit LiveFeed(States states = {}) : states_(std::move(states)) {}
+
     /// What does not fit is left out: the panel stands still, not the loop.
     void sample(const LiveSample& sample) { (void)ring_.push(sample); }
     /// Whether states are wanted again: making their text costs.
     [[nodiscard]] bool state_due(double now_s) const { return now_s >= next_state_s_ || now_s < next_state_s_ - 2.0 * kState_s; }
-    /// One JSON object. Left out, and due again at once, while the reader has the one before.
+    /// States that the loop makes, as one JSON object. Left out, and due again at once, while the reader has the one before.
     void state(std::string json, double now_s);
 
     using Publish = std::function<void(std::string_view event, const std::string& data)>;
@@ -77,6 +82,7 @@ class LiveFeed {
 
   private:
     static constexpr double kState_s = 0.1;
+    States states_;
     antiskid::host::SpscRing<LiveSample, 4096> ring_;
     double next_state_s_ = 0.0;
     std::mutex mutex_;

@@ -1,5 +1,5 @@
 'use strict';
-// One page for three rooms: live, recorded, what if.
+// One page with three views: live, recorded, what if.
 
 async function ask(name, parameters, change) {
   const query = new URLSearchParams(parameters || {});
@@ -178,7 +178,7 @@ function whatIf() {
   for (const field of about.what_if) {
     const label = make('label', field.label + ' '), shown = make('b');
     const input = field.words ? make('select', undefined, { name: field.key })
-      : make('input', undefined, { type: 'range', name: field.key, min: field.least, max: field.most, step: field.step });
+      : make('input', undefined, { type: 'range', name: field.key, min: field.min, max: field.max, step: field.step });
     (field.words || []).forEach(word => input.append(make('option', word)));
     input.value = field.value;
     const told = () => { shown.textContent = field.words ? '' : input.value + ' ' + field.unit; };
@@ -208,8 +208,8 @@ async function start() {
     byId('token').value = given;
     history.replaceState(null, '', location.pathname);
   }
-  const rooms = { live: ['Live', live], recorded: ['Recorded', recorded], what_if: ['What if', whatIf] };
-  const present = Object.keys(rooms).filter(name => about.rooms.includes(name)), opened = new Set();
+  const views = { live: ['Live', live], recorded: ['Recorded', recorded], what_if: ['What if', whatIf] };
+  const present = Object.keys(views).filter(name => about.views.includes(name)), opened = new Set();
   const open = async name => {
     for (const other of present) {
       show(byId(other), other === name);
@@ -217,10 +217,10 @@ async function start() {
     }
     if (opened.has(name)) return;
     opened.add(name);
-    await rooms[name][1]();
+    await views[name][1]();
   };
   for (const name of present) {
-    const tab = make('button', rooms[name][0], { type: 'button', id: 'tab_' + name });
+    const tab = make('button', views[name][0], { type: 'button', id: 'tab_' + name });
     tab.onclick = () => open(name).catch(error => say(error.message, true));
     byId('tabs').append(tab);
   }

@@ -63,13 +63,13 @@ struct Forecast {
     [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< within the horizon, more likely than not
 };
 
-/// `filter` has learnt the brake's points up to `c_e_J`. Throws std::invalid_argument for settings or a mix out of range.
 /// Sets the quantiles of `f` to those of its draws.
 void take_quantiles(Forecast& f);
 
 /// Continuous ranked probability score of equally probable values, rising, for the truth `x`: E|X - x| - E|X - X'| / 2.
 [[nodiscard]] double crps(const std::vector<double>& rising, double x);
 
+/// `filter` has learnt the brake's points up to `c_e_J`. Throws std::invalid_argument for settings or a mix out of range.
 [[nodiscard]] Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix, const ForecastSettings& settings);
 
 }  // namespace wear

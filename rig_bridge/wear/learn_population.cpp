@@ -208,6 +208,7 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
     double squares = 0.0;
     for (const Asked& a : asked) squares += std::pow(a.log_misfit - out.log_misfit, 2) / n;
     out.misfit_deviation = std::sqrt(squares);
+    // Again: how alike a brake is depends on the misfit that is known now.
     asked = ask_left_out(campaigns, limits, population, threads);
     (void)choose_filter_weight(asked, out.filter);
     for (std::size_t k = 0; k < out.widening.size(); ++k) {

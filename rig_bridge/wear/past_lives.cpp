@@ -23,9 +23,10 @@ PastLives::PastLives(const Population& population, double limit) {
     std::size_t crossed = 0;
     for (const MeanCurve& curve : population.members) {
         const double end_J = kBeyond * curve.last_J();
-        const double life_J = crossing_J(curve, limit, curve.last_J() / 500.0, end_J);
+        const double step_J = curve.last_J() / 500.0;
+        const double life_J = crossing_J(curve, limit, step_J, end_J);
         crossed += life_J < end_J ? 1 : 0;
-        logs.push_back(std::log(life_J));
+        logs.push_back(std::log(std::max(step_J, life_J)));  // a brake that began below the limit has a life of 0
     }
     const auto n = static_cast<double>(logs.size());
     known_ = logs.size() >= 2 && 2 * crossed >= logs.size();

@@ -93,7 +93,7 @@ TEST_CASE("campaign and landings left are among the facts", "[BRG-522]") {
     CHECK_FALSE(facts.contains("regulation"));
 }
 
-TEST_CASE("landings left come with their interval and the model's name", "[BRG-522]") {
+TEST_CASE("landings left come with their interval, and with what the model was learnt from", "[BRG-522]") {
     std::vector<rig::record::LedgerRow> rows(40);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].state = rig::record::RowState::finished;
@@ -102,7 +102,8 @@ TEST_CASE("landings left come with their interval and the model's name", "[BRG-5
     }
     const std::string left = landings_left("config/wear/population.json", rows, 0.25);
     INFO(left);
-    CHECK(left.find("10 to 90 %) to mean friction 0.25, by config/wear/population.json") != std::string::npos);
+    CHECK(left.find("10 to 90 %) to mean friction 0.25, by brakes made up by the law of tests/wear/physical_campaign.hpp, 40 lives") !=
+          std::string::npos);
     CHECK(landings_left("config/wear/population.json", rows, 0.9).starts_with("none:"));
     CHECK(landings_left("config/wear/population.json", rows, 0.0).empty());
     rows.resize(1);

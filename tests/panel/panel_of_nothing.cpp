@@ -23,7 +23,7 @@ int run() {
     rig::panel::LiveFeed feed;
     rig::panel::ServerOptions options{
         .address = rig::panel::parse_address("127.0.0.1:0"),
-        .about = {.title = "made signals", .simulated = true, .rooms = {"live"}, .emergency_stop = "It is the red button at the rig."}};
+        .about = {.title = "made signals", .simulated = true, .views = {"live"}, .emergency_stop = "It is the red button at the rig."}};
     options.changes["abort"] = [&aborts](const rig::panel::Query&) { return nlohmann::json{{"said", fmt::format("aborts: {}", ++aborts)}}.dump(); };
     const rig::panel::Server server(options, &feed);
     fmt::print("{}\n", server.greeting());

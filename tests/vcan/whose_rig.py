@@ -41,8 +41,10 @@ def preflight(rig, folder, *before):
 def second_bridge(rig, bus, folder):
     """[BRG-460] It is refused whatever it has in common with the first, and the first one finishes."""
     subprocess.run("ip link add dev vcan1 type vcan && ip link set vcan1 up", shell=True, check=True)
-    first = rig.bridge("campaign", folder / "first", "--maneuvers", "1")
+    first = rig.bridge("campaign", folder / "first", "--maneuvers", "2")
     check(bus.await_phase(("braking",)), "no braking")
+    hold = [rig.build / "bin/rig-bridge", "pause", folder / "first", "--why", "the others are refused first"]
+    subprocess.run(hold, check=True, stdout=subprocess.DEVNULL)
     holder = f"is held by rig-bridge campaign, process {first.pid}, since 2"
     for number, (what, place) in enumerate((
             ("CAN interface vcan0", []),
@@ -56,8 +58,11 @@ def second_bridge(rig, bus, folder):
     # The same names in another network namespace are another rig.
     apart = ["unshare", "--net", "sh", "-c", 'ip link add dev vcan0 type vcan && ip link set vcan0 up && exec "$@"', "apart"]
     check(preflight(rig, folder, *apart)["rig free"]["verdict"] == "pass", "another namespace is held, too")
+    subprocess.run([rig.build / "bin/rig-bridge", "resume", folder / "first"], check=True, stdout=subprocess.DEVNULL)
     check(first.wait(timeout=120) == 0, f"the first was disturbed: {words(first)}")
-    check(json.loads((folder / "first/quick/0001/summary.json").read_text())["outcome"] == "finished", "the first did not finish")
+    for number in (1, 2):
+        outcome = json.loads((folder / f"first/quick/000{number}/summary.json").read_text())["outcome"]
+        check(outcome == "finished", f"maneuver {number} of the first: {outcome}")
 
 
 def killed(rig, bus, folder):

@@ -69,7 +69,8 @@ TEST_CASE("past lives are Student's t of the logarithm, of brakes that are not w
     const double late_J = past.life_J(0.0, 0.9);
     CHECK(past.life_J(late_J, 0.5) == Approx(past.life_J(0.0, 0.95)).epsilon(1e-9));
     CHECK(past.life_J(1e12, 0.1) >= 1e12);
-    CHECK_FALSE(wear::PastLives(p, 0.05).known());  // no brake got there
+    CHECK_FALSE(wear::PastLives(p, 0.05).known());                                   // no brake got there
+    CHECK(wear::PastLives(p, 0.9).life_J(0.0, 0.9) < 0.01 * past.life_J(0.0, 0.5));  // all began below
     p.members.resize(1, p.members.front());
     CHECK_FALSE(wear::PastLives(p, lives_of().limit).known());
 }

@@ -85,8 +85,8 @@ double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::Slip
         wheel = std::move(next);
     }
     release(wheel);
-    const Offer rest = held_offer(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
-    return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.most_m);
+    const FrictionDistance rest = held_distance(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
+    return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.max_m);
 }
 
 SoonestRegrip soonest_regrip(const rig::RigParameters& rig, const rig::Surface& other, double speed_mps, double period_s) {
@@ -98,7 +98,7 @@ SoonestRegrip soonest_regrip(const rig::RigParameters& rig, const rig::Surface& 
     RegripMeter meter(period_s);
     meter.update(rig.surface, speed_mps, rig::peak(rig.surface).mu);
     bool there = false;
-    double v_mps = speed_mps, had_m = 0.0, most_m = 0.0;
+    double v_mps = speed_mps, had_m = 0.0, max_m = 0.0;
     const auto periods = std::lround(RegripMeter::kLongest_s / period_s);
     for (long i = 0; i < periods && v_mps >= RegripMeter::kEnds_mps; ++i) {
         double mu = target.mu;
@@ -112,9 +112,9 @@ SoonestRegrip soonest_regrip(const rig::RigParameters& rig, const rig::Surface& 
         }
         meter.update(other, v_mps, mu);
         had_m += mu * v_mps;
-        most_m += target.mu * v_mps;
+        max_m += target.mu * v_mps;
     }
-    return {.regrip = meter.regrip().value_or(Regrip{}), .j_mu = had_m / most_m};
+    return {.regrip = meter.regrip().value_or(Regrip{}), .j_mu = had_m / max_m};
 }
 
 }  // namespace robust
