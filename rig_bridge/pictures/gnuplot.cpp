@@ -8,10 +8,14 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
+#include <utility>
 
 namespace pictures {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string shell_quoted(const std::string& text) {
     std::string out = "'";
@@ -23,6 +27,10 @@ std::string shell_quoted(const std::string& text) {
     }
     out.push_back('\'');
     return out;
+}
+
+fs::path aside(const fs::path& picture) {
+    return picture.string() + ".part";
 }
 
 }  // namespace
@@ -42,11 +50,15 @@ std::string gnuplot_block(std::string_view name, std::string_view rows) {
 }
 
 void run_gnuplot(const std::filesystem::path& png, int width, int height, const std::string& commands) {
-    const std::filesystem::path aside = png.string() + ".part";
     const std::filesystem::path says = png.string() + ".gnuplot-says";
-    const std::string all = fmt::format(
-        "set terminal pngcairo size {},{} font 'sans,11' enhanced\nset output {}\nset grid lc rgb '#dddddd'\nset border lc rgb '#555555'\n{}", width,
-        height, gnuplot_quoted(aside.string()), commands);
+    const std::array<std::pair<fs::path, const char*>, 2> pictures{
+        {{png, "pngcairo"}, {fs::path(png).replace_extension(".svg"), "svg background '#ffffff'"}}};
+    std::string all;
+    for (const auto& [picture, terminal] : pictures)
+        all += fmt::format(
+            "reset\nset terminal {} size {},{} font 'sans,11' enhanced\nset output {}\nset grid lc rgb '#dddddd'\nset border lc rgb '#555555'\n{}\n"
+            "set output\n",
+            terminal, width, height, gnuplot_quoted(aside(picture).string()), commands);
     std::FILE* gnuplot = ::popen(("gnuplot >" + shell_quoted(says.string()) + " 2>&1").c_str(), "w");
     if (gnuplot == nullptr) throw std::runtime_error("cannot start gnuplot");
     std::fwrite(all.data(), 1, all.size(), gnuplot);
@@ -54,12 +66,14 @@ void run_gnuplot(const std::filesystem::path& png, int width, int height, const 
     std::ifstream said(says);
     const std::string output((std::istreambuf_iterator<char>(said)), std::istreambuf_iterator<char>());
     std::error_code ignored;
-    std::filesystem::remove(says, ignored);
-    if (status != 0) {
-        std::filesystem::remove(aside, ignored);
-        throw std::runtime_error("gnuplot failed (is gnuplot-nox installed?): " + output);
+    fs::remove(says, ignored);
+    for (const auto& [picture, terminal] : pictures) {
+        if (status == 0)
+            fs::rename(aside(picture), picture);
+        else
+            fs::remove(aside(picture), ignored);
     }
-    std::filesystem::rename(aside, png);
+    if (status != 0) throw std::runtime_error("gnuplot failed (is gnuplot-nox installed?): " + output);
 }
 
 }  // namespace pictures

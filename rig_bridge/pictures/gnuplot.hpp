@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -14,14 +15,14 @@ namespace pictures {
 /// A block of rows for `plot $name`; one row of NaN where there are none, since gnuplot takes an empty block for an error.
 [[nodiscard]] std::string gnuplot_block(std::string_view name, std::string_view rows);
 
-/// Of lines and points beside each other.
+/// Okabe and Ito's colours, which colour-blind readers tell apart, with a grey for their yellow, which does not show on white.
+enum Colour : std::size_t { blue, vermillion, green, purple, orange, sky, black, grey };
 [[nodiscard]] inline const char* gnuplot_colour(std::size_t i) {
-    constexpr std::array<const char*, 15> kColours{"#1f4e79", "#c55a11", "#548235", "#7f3f98", "#bf9000", "#00808a", "#a61c3c", "#5b5b5b",
-                                                   "#2e86de", "#e58e26", "#78a22f", "#b56bd0", "#806000", "#33b5c1", "#e0647f"};
+    constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8a8a8a"};
     return kColours[i % kColours.size()];
 }
 
-/// Runs `commands`, with light grid and border, with the output set to `png`, as a picture of `width` x `height` pixels. Throws std::runtime_error
+/// Runs `commands`, with light grid and border, into `png` and a .svg beside it, pictures of `width` x `height` pixels. Throws std::runtime_error
 /// when gnuplot is not installed or fails, with what it said.
 void run_gnuplot(const std::filesystem::path& png, int width, int height, const std::string& commands);
 

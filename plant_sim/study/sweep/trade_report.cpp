@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/sweep/trade.hpp"
+#include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace sweep {
@@ -83,25 +86,37 @@ std::string bounds_text(const Bounds& bounds) {
     return text.empty() ? "no bound" : text;
 }
 
-std::string point(const Offer& o) {
-    return fmt::format("{:.9g} {:.7f} {:.4f} {:.3f}\n", o.cost, o.j_mu, o.stop_distance_m, o.slip_reference);
-}
-
-std::string block(const char* name, const std::optional<Offer>& o) {
-    return pictures::gnuplot_block(name, o ? point(*o) : "");
-}
-
-std::string panel(int column, const char* label, const std::optional<double>& bound) {
-    std::string text = fmt::format("set ylabel '{}'\n", label);
-    text += fmt::format(
-        "plot $all using 1:{y} with lines lw 2 lc rgb '#9db4cc' title 'slip references', $within using 1:{y} with points pt 7 ps 0.5 lc rgb "
-        "'#1f4e79' title 'within the bounds', $labels using 1:{y}:(sprintf('%.2f', $4)) with labels left offset 0.6,0.5 font ',9' tc rgb '#555555' "
-        "notitle, $labels using 1:{y} with points pt 7 ps 0.8 lc rgb '#555555' notitle, $threshold using 1:{y} with points pt 2 ps 1.6 lw 2 lc rgb "
-        "'#c55a11' title 'threshold law', $paper using 1:{y} with points pt 6 ps 2 lw 2 lc rgb 'black' title 'reference 0.24', $best using 1:{y} "
-        "with points pt 5 ps 1.5 lc rgb '#548235' title 'best'",
-        fmt::arg("y", column));
-    if (bound) text += fmt::format(", {} with lines dt 2 lw 1.5 lc rgb '#a61c3c' title 'bound'", *bound);
-    return text + "\n";
+/// `y` of every offer over its cost. Points alone: along the references cost falls and rises again.
+template <typename Y>
+pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y_label, const std::optional<double>& bound, const Y& y) {
+    using pictures::Series;
+    using pictures::Style;
+    const Bounds& bounds = options.bounds;
+    Series outside{.name = "slip references", .style = Style::points, .colour = pictures::sky};
+    Series inside{.name = "within the bounds", .style = Style::points, .colour = pictures::blue};
+    double next_label = 0.0;
+    for (const Offer& o : t.offers) {
+        const bool good =
+            !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
+        Series& one = good ? inside : outside;
+        one.add(o.cost, y(o));
+        const bool named = o.slip_reference >= next_label - 1e-9;
+        one.notes.push_back(named ? fmt::format("{:.2f}", o.slip_reference) : "");
+        if (named) next_label = o.slip_reference + 0.1;
+    }
+    pictures::Chart chart{.y_label = y_label,
+                          .x_label = by_life(options) ? "share of the first worn part's life that a landing takes" : "cost of a landing",
+                          .series = {std::move(outside), std::move(inside)}};
+    const auto mark = [&](const char* name, const std::optional<Offer>& o, pictures::Colour colour) {
+        if (o) chart.series.push_back({.name = name, .style = Style::points, .colour = colour, .x = {o->cost}, .y = {y(*o)}});
+    };
+    mark("threshold law", t.threshold, pictures::vermillion);
+    mark("reference 0.24", t.paper, pictures::black);
+    mark("best", t.best, pictures::green);
+    const auto [least, greatest] =
+        std::minmax_element(t.offers.begin(), t.offers.end(), [](const Offer& p, const Offer& q) { return p.cost < q.cost; });
+    if (bound && least != t.offers.end()) chart.series.push_back(pictures::level("bound", least->cost, greatest->cost, *bound, pictures::grey));
+    return chart;
 }
 
 }  // namespace
@@ -158,26 +173,11 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
 }
 
 void draw_trade(const Trade& t, const TradeOptions& options, const std::filesystem::path& png) {
-    std::string all, inside, labels;
-    double next_label = 0.0;
-    for (const Offer& o : t.offers) {
-        all += point(o);
-        const bool good = !(options.bounds.min_j_mu && o.j_mu < *options.bounds.min_j_mu) &&
-                          !(options.bounds.max_distance_m && o.stop_distance_m > *options.bounds.max_distance_m);
-        if (good) inside += point(o);
-        if (o.slip_reference < next_label - 1e-9) continue;
-        labels += point(o);
-        next_label = o.slip_reference + 0.1;
-    }
-    const char* cost = by_life(options) ? "share of the first worn part''s life that a landing takes" : "cost of a landing at the given prices";
-    const std::string script = pictures::gnuplot_block("all", all) + pictures::gnuplot_block("within", inside) +
-                               pictures::gnuplot_block("labels", labels) + block("best", t.best) + block("paper", t.paper) +
-                               block("threshold", t.threshold) +
-                               "set key outside top center horizontal maxrows 2\n"
-                               "set offsets graph 0.03, graph 0.08, graph 0.05, graph 0.05\nset multiplot layout 1,2\n" +
-                               fmt::format("set xlabel '{}'\n", cost) + panel(2, "mean J_{/Symbol m}", options.bounds.min_j_mu) +
-                               panel(3, "mean braking distance (m)", options.bounds.max_distance_m) + "unset multiplot\n";
-    pictures::run_gnuplot(png, 1300, 640, script);
+    pictures::draw(
+        {.charts = {chart(t, options, "mean J_mu", options.bounds.min_j_mu, [](const Offer& o) { return o.j_mu; }),
+                    chart(t, options, "mean braking distance (m)", options.bounds.max_distance_m, [](const Offer& o) { return o.stop_distance_m; })},
+         .columns = 2},
+        png);
 }
 
 }  // namespace sweep

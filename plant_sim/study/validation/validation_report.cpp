@@ -1,10 +1,15 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
+#include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace validation {
@@ -88,35 +93,41 @@ std::string to_json(const Validation& v, const std::string& head) {
 }
 
 void draw_validation(const Validation& validation, const std::filesystem::path& png, const std::string& title) {
-    pictures::run_gnuplot(
-        png, 1100, 1000,
-        fmt::format(R"(set datafile separator ','
-set datafile missing ''
-{csv}set style line 1 lc rgb '#202020' lw 2
-set style line 2 lc rgb '#e07b39' lw 1.6 dt 2
-set style line 3 lc rgb '#1f4e79' lw 2
-set style line 4 lc rgb '#58a5d6' lw 1.6 dt 2
-set key top right
-set lmargin 11
-set rmargin 3
-stats $data using 'time_s' nooutput
-set xrange [0:STATS_max]
-set multiplot layout 3,1 title {title} noenhanced
-set ylabel 'speed (m/s)'
-plot $data using 'time_s':'speed_mps' with lines ls 1 title 'aircraft, recorded', \
-     $data using 'time_s':'simulated_speed_mps' with lines ls 2 title 'aircraft, simulated', \
-     $data using 'time_s':'wheel_rim_mps' with lines ls 3 title 'wheel, recorded', \
-     $data using 'time_s':'simulated_wheel_rim_mps' with lines ls 4 title 'wheel, simulated'
-set ylabel 'slip'
-plot $data using 'time_s':'slip' with lines ls 3 title 'recorded', \
-     $data using 'time_s':'simulated_slip' with lines ls 4 title 'simulated'
-set ylabel 'simulated - recorded (m/s)'
-set xlabel 'time since brake-on (s)'
-plot $data using 'time_s':(column('simulated_speed_mps') - column('speed_mps')) with lines ls 1 title 'aircraft', \
-     $data using 'time_s':(column('simulated_wheel_rim_mps') - column('wheel_rim_mps')) with lines ls 4 title 'wheel'
-unset multiplot
-)",
-                    fmt::arg("csv", pictures::gnuplot_block("data", to_csv(validation))), fmt::arg("title", pictures::gnuplot_quoted(title))));
+    using pictures::Series;
+    const auto curve = [&](const char* name, pictures::Colour colour, pictures::Style style, const auto& value) {
+        Series s{.name = name, .style = style, .colour = colour};
+        for (const ValidationRow& r : validation.rows) {
+            const std::optional<double> y = value(r);
+            s.add(r.time_s, y.value_or(std::numeric_limits<double>::quiet_NaN()));
+        }
+        return s;
+    };
+    const auto measured = [&](const char* name, pictures::Colour colour, const auto& value) {
+        return curve(name, colour, pictures::Style::line, value);
+    };
+    const auto simulated = [&](const char* name, pictures::Colour colour, const auto& value) {
+        return curve(name, colour, pictures::Style::dashes, value);
+    };
+    const auto chart = [](const char* label, std::vector<Series> series) {
+        return pictures::Chart{.y_label = label, .x_label = "time since brake-on (s)", .series = std::move(series)};
+    };
+    using Row = ValidationRow;
+    using Wheel = std::optional<double>;
+    pictures::draw(
+        {.title = title,
+         .charts = {chart("speed (m/s)",
+                          {measured("aircraft, recorded", pictures::black, [](const Row& r) { return r.speed_mps; }),
+                           simulated("aircraft, simulated", pictures::orange, [](const Row& r) { return r.simulated_speed_mps; }),
+                           measured("wheel, recorded", pictures::blue, [](const Row& r) { return r.wheel_rim_mps; }),
+                           simulated("wheel, simulated", pictures::sky, [](const Row& r) { return r.simulated_wheel_rim_mps; })}),
+                    chart("slip", {measured("recorded", pictures::blue, [](const Row& r) { return r.slip; }),
+                                   simulated("simulated", pictures::orange, [](const Row& r) { return r.simulated_slip; })}),
+                    chart("simulated - recorded (m/s)",
+                          {measured("aircraft", pictures::black, [](const Row& r) { return r.simulated_speed_mps - r.speed_mps; }),
+                           measured("wheel", pictures::sky, [](const Row& r) {
+                               return r.wheel_rim_mps && r.simulated_wheel_rim_mps ? Wheel(*r.simulated_wheel_rim_mps - *r.wheel_rim_mps) : Wheel();
+                           })})}},
+        png);
 }
 
 }  // namespace validation
