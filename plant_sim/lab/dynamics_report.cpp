@@ -6,8 +6,10 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "firmware/host/settings/text_table.hpp"
+#include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim::lab {
@@ -63,28 +65,35 @@ Json json_of(const ClassDynamics& c) {
             {"stops", stops}};
 }
 
-/// A panel's data blocks: samples, and the curve with its band and the one in force.
-std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::DynamicsSettings& settings) {
-    std::string dots, curve;
-    constexpr std::size_t kMaxDots = 4000;
-    std::size_t all = 0;
-    for (const wear::StopShape& s : c.found.stops) all += s.samples;
-    const std::size_t every = all / kMaxDots + 1;
+/// Samples, the curve with its band, and the one in force.
+pictures::Chart chart(const ClassDynamics& c, const wear::DynamicsSettings& settings) {
+    using pictures::Series;
+    Series dots{.name = "recorded", .style = pictures::Style::points, .colour = pictures::grey};
     for (std::size_t i = 0; i < c.data.stops.size(); ++i) {
-        const wear::RecordedStop& stop = c.data.stops[i];
-        const wear::StopShape& shape = c.found.stops[i];
-        const std::vector<wear::FrictionSample> samples = wear::friction_samples(stop, settings);
-        for (std::size_t k = i % every; k < samples.size(); k += every)
-            fmt::format_to(std::back_inserter(dots), "{:.4f} {:.6f}\n", samples[k].x, samples[k].mu_b / shape.mean_friction);
+        for (const wear::FrictionSample& sample : wear::friction_samples(c.data.stops[i], settings))
+            dots.add(sample.x, sample.mu_b / c.found.stops[i].mean_friction);
     }
+    Series learnt{.name = fmt::format("learnt, order {}, with 95 % interval", c.found.order), .colour = pictures::vermillion, .width = 2.0};
+    Series in_force{.name = "in force", .style = pictures::Style::dashes, .colour = pictures::blue};
+    double least = 1.0;
+    double greatest = 1.0;
     constexpr int kParts = 120;
     for (int i = 0; i <= kParts; ++i) {
         const double x = static_cast<double>(i) / kParts;
         const double f = c.found.at(x);
         const double half = c.found.half_width_at(x);
-        fmt::format_to(std::back_inserter(curve), "{:.4f} {:.6f} {:.6f} {:.6f} {:.6f}\n", x, f, f - half, f + half, at(c.in_force, x));
+        least = std::min(least, f);
+        greatest = std::max(greatest, f);
+        learnt.add(x, f, f - half, f + half);
+        in_force.add(x, at(c.in_force, x));
     }
-    return pictures::gnuplot_block(fmt::format("samples{}", panel), dots) + pictures::gnuplot_block(fmt::format("curve{}", panel), curve);
+    const double room = std::max(0.12 * (greatest - least), 6.0 * c.found.scale);
+    return {.title = fmt::format("{}: {} stops", c.data.friction_class, c.data.stops.size()),
+            .y_label = "friction / mean of the stop",
+            .x_label = "speed / brake-on speed",
+            .series = {std::move(dots), std::move(learnt), std::move(in_force)},
+            .x_range = pictures::Range{0.0, 1.02},
+            .y_range = pictures::Range{least - room, greatest + room}};
 }
 
 }  // namespace
@@ -143,36 +152,9 @@ std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHea
 }
 
 void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings, const std::filesystem::path& png) {
-    constexpr int kPanel = 330;
-    std::string script =
-        "set key top right samplen 2\nset lmargin 10\nset rmargin 3\n"
-        "set xrange [0:1.02]\nset ylabel 'friction / mean of the stop'\n";
-    for (std::size_t i = 0; i < classes.size(); ++i) script += blocks(classes[i], i, settings);
-    fmt::format_to(std::back_inserter(script), "set multiplot layout {},1\n", classes.size());
-    for (std::size_t i = 0; i < classes.size(); ++i) {
-        const ClassDynamics& c = classes[i];
-        double min = 1.0;
-        double greatest = 1.0;
-        constexpr int kParts = 50;
-        for (int k = 0; k <= kParts; ++k) {
-            const double f = c.found.at(static_cast<double>(k) / kParts);
-            min = std::min(min, f);
-            greatest = std::max(greatest, f);
-        }
-        const double room = std::max(0.12 * (greatest - min), 6.0 * c.found.scale);
-        fmt::format_to(std::back_inserter(script),
-                       "set title {} noenhanced\nset xlabel '{}'\nset yrange [{}:{}]\n"
-                       "plot $samples{panel} using 1:2 with dots lc rgb '#7a7a7a' notitle, \\\n"
-                       "     NaN with points pt 7 ps 0.4 lc rgb '#7a7a7a' title 'recorded', \\\n"
-                       "     $curve{panel} using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#c55a11' title '95 % interval', \\\n"
-                       "     $curve{panel} using 1:2 with lines lw 2 lc rgb '#c55a11' title 'learnt, order {order}', \\\n"
-                       "     $curve{panel} using 1:5 with lines lw 1.5 dt 2 lc rgb '#1f4e79' title 'in force'\n",
-                       pictures::gnuplot_quoted(fmt::format("{}: {} stops", c.data.friction_class, c.data.stops.size())),
-                       i + 1 == classes.size() ? "speed / brake-on speed" : "", min - room, greatest + room, fmt::arg("panel", i),
-                       fmt::arg("order", c.found.order));
-    }
-    script += "unset multiplot\n";
-    pictures::run_gnuplot(png, 1000, 60 + kPanel * static_cast<int>(classes.size()), script);
+    pictures::Figure figure;
+    for (const ClassDynamics& c : classes) figure.charts.push_back(chart(c, settings));
+    pictures::draw(std::move(figure), png);
 }
 
 }  // namespace plant_sim::lab

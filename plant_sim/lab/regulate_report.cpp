@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 
 #include "firmware/host/settings/text_table.hpp"
+#include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim::lab {
@@ -47,28 +50,6 @@ nlohmann::ordered_json life_json(const Life& life) {
             {"first_limit_landing", life.first_landing},
             {"other_left_at_first_limit", life.other_left},
             {"floor_held", life.floor_held}};
-}
-
-/// Blocks $regulated0 ...: landing, reference, brake and tyre used (%); $p0 ... one line a policy.
-std::string data(const RegulateReport& r) {
-    std::string out;
-    for (std::size_t p = 0; p < r.policies.size(); ++p) {
-        const std::size_t lives = p == 0 ? r.policies[p].lives.size() : 1;
-        for (std::size_t i = 0; i < lives; ++i) {
-            const Life& life = r.policies[p].lives[i];
-            std::string rows = "0 NaN 0 0\n";
-            for (std::size_t k = 0; k < life.rows.size(); ++k)
-                fmt::format_to(std::back_inserter(rows), "{} {:.5f} {:.4f} {:.4f}\n", k + 1, life.rows[k].reference,
-                               life.rows[k].brake_J / life.brake_budget_J * 100.0, life.rows[k].tyre_J / life.tyre_budget_J * 100.0);
-            out += pictures::gnuplot_block(fmt::format("life{}_{}", p, i), rows);
-        }
-        std::string rows;
-        for (const Life& life : r.policies[p].lives)
-            fmt::format_to(std::back_inserter(rows), "{:.3f} {:.4f} {:.4f}\n", static_cast<double>(p), life.brake_at_plan * 100.0,
-                           life.tyre_at_plan * 100.0);
-        out += pictures::gnuplot_block(fmt::format("policy{}", p), rows);
-    }
-    return out;
 }
 
 /// The fixed reference that the energies are shown against: the paper's, or the first there is.
@@ -197,65 +178,62 @@ std::string to_csv(const RegulateReport& r) {
 }
 
 void draw(const RegulateReport& r, const std::filesystem::path& png) {
-    const std::size_t fixed = shown_fixed(r);
-    const std::size_t lives = r.policies.front().lives.size();
-    std::string script = data(r);
-    auto out = std::back_inserter(script);
-    fmt::format_to(out, R"(set lmargin 10
-set rmargin 3
-set multiplot layout 3,1 title {title} noenhanced
-set xrange [0:{most}]
-set arrow 1 from {planned}, graph 0 to {planned}, graph 1 nohead dt 3 lc rgb '#555555'
-set ylabel 'used of what was left (%)'
-set yrange [0:155]
-set key top left
-plot 100 with lines lc rgb '#555555' dt 2 title 'limit', \
-     $life0_0 using 1:3 with lines lw 2.5 lc rgb '#1f4e79' title 'brake, regulated', \
-     $life0_0 using 1:4 with lines lw 2.5 lc rgb '#c55a11' title 'tyre, regulated', \
-     $life{fixed}_0 using 1:3 with lines lw 1.2 dt 4 lc rgb '#1f4e79' title 'brake, {fixed_name}' noenhanced, \
-     $life{fixed}_0 using 1:4 with lines lw 1.2 dt 4 lc rgb '#c55a11' title 'tyre, {fixed_name}' noenhanced
-set xlabel 'landing'
-set ylabel 'slip reference'
-set yrange [{low}:{high}]
-set key bottom right
-plot {lowest} with lines lc rgb '#555555' dt 2 title 'allowed by the floor on J_{{/Symbol m}}', \
-     {highest} with lines lc rgb '#555555' dt 2 notitle)",
-                   fmt::arg("title", pictures::gnuplot_quoted(fmt::format("Brake and tyre used up together: {} {}, seed {}", lives,
-                                                                          lives == 1 ? "life" : "lives", r.options.seed))),
-                   fmt::arg("most", static_cast<double>(r.plan.landings) * 1.08), fmt::arg("planned", r.plan.landings), fmt::arg("fixed", fixed),
-                   fmt::arg("fixed_name", r.policies[fixed].policy.name), fmt::arg("low", r.range.lowest - 0.10),
-                   fmt::arg("high", r.range.highest + 0.03), fmt::arg("lowest", r.range.lowest), fmt::arg("highest", r.range.highest));
-    for (std::size_t i = lives; i-- > 0;)
-        fmt::format_to(out, ", \\\n     $life0_{} using 1:2 with lines lw {} lc rgb '{}' title '{}'", i, i == 0 ? 2.5 : 0.8,
-                       i == 0 ? "#548235" : "#a9c98f", i == 0 ? "life 1, as above" : (i == 1 ? "other lives" : ""));
-    fmt::format_to(out, R"(
-unset arrow 1
-set xlabel ''
-set xrange [-0.6:{last}]
-set yrange [*:*]
-set offsets 0, 0, graph 0.15, graph 0.05
-set ylabel 'used at the planned landing (%)'
-set key top left
-set xtics ({tics}) noenhanced
-plot {above} with lines lc rgb '#555555' dt 3 title 'plan, within {tolerance} %', {below} with lines lc rgb '#555555' dt 3 notitle)",
-                   fmt::arg("last", static_cast<double>(r.policies.size()) - 0.4),
-                   fmt::arg("tics",
-                            [&] {
-                                std::string tics;
-                                for (std::size_t p = 0; p < r.policies.size(); ++p)
-                                    fmt::format_to(std::back_inserter(tics), "{}{} {}", p == 0 ? "" : ", ",
-                                                   pictures::gnuplot_quoted(r.policies[p].policy.name), p);
-                                return tics;
-                            }()),
-                   fmt::arg("above", 100.0 * (1.0 + r.plan.tolerance)), fmt::arg("below", 100.0 * (1.0 - r.plan.tolerance)),
-                   fmt::arg("tolerance", 100.0 * r.plan.tolerance));
-    for (std::size_t p = 0; p < r.policies.size(); ++p)
-        fmt::format_to(out,
-                       ", \\\n     $policy{0} using ($1-0.08):2 with points pt 7 ps 0.9 lc rgb '#1f4e79' {1}, \\\n"
-                       "     $policy{0} using ($1+0.08):3 with points pt 9 ps 0.9 lc rgb '#c55a11' {2}",
-                       p, p == 0 ? "title 'brake, each life'" : "notitle", p == 0 ? "title 'tyre, each life'" : "notitle");
-    script += "\nunset multiplot\n";
-    pictures::run_gnuplot(png, 1100, 1200, script);
+    using pictures::Series;
+    using pictures::Style;
+    const auto planned = static_cast<double>(r.plan.landings);
+    const double last = planned * 1.08;
+    const auto life = [](const Life& one, std::string name, Style style, pictures::Colour colour, const auto& value) {
+        Series s{.name = std::move(name), .style = style, .colour = colour, .width = 2.0};
+        for (std::size_t k = 0; k < one.rows.size(); ++k) s.add(static_cast<double>(k + 1), value(one, one.rows[k]));
+        return s;
+    };
+    const auto brake = [](const Life& l, const LifeRow& row) { return row.brake_J / l.brake_budget_J * 100.0; };
+    const auto tyre = [](const Life& l, const LifeRow& row) { return row.tyre_J / l.tyre_budget_J * 100.0; };
+    const auto& lives = r.policies.front().lives;
+    const PolicyLives& fixed = r.policies[shown_fixed(r)];
+    const pictures::Chart used{.y_label = "used of what was left (%)",
+                               .x_label = "landing",
+                               .series = {pictures::level("limit", 0.0, last, 100.0, pictures::grey),
+                                          life(lives.front(), "brake, regulated", Style::line, pictures::blue, brake),
+                                          life(lives.front(), "tyre, regulated", Style::line, pictures::vermillion, tyre),
+                                          life(fixed.lives.front(), "brake, " + fixed.policy.name, Style::dashes, pictures::sky, brake),
+                                          life(fixed.lives.front(), "tyre, " + fixed.policy.name, Style::dashes, pictures::orange, tyre)},
+                               .x_range = pictures::Range{0.0, last},
+                               .y_range = pictures::Range{0.0, 155.0},
+                               .marks = {planned}};
+    pictures::Chart reference{.y_label = "slip reference",
+                              .x_label = "landing",
+                              .series = {pictures::level("allowed by the floor on J_mu", 0.0, last, r.range.lowest, pictures::grey),
+                                         pictures::level("", 0.0, last, r.range.highest, pictures::grey)},
+                              .x_range = pictures::Range{0.0, last},
+                              .marks = {planned}};
+    for (std::size_t i = lives.size(); i-- > 0;) {
+        reference.series.push_back(life(lives[i], i == 0 ? "life 1, as above" : "other lives", Style::line, i == 0 ? pictures::green : pictures::grey,
+                                        [](const Life&, const LifeRow& row) { return row.reference; }));
+        reference.series.back().in_legend = i < 2;
+        reference.series.back().width = i == 0 ? 2.0 : 0.8;
+    }
+    Series brakes{.name = "brake, each life", .style = Style::points, .colour = pictures::blue};
+    Series tyres{.name = "tyre, each life", .style = Style::points, .colour = pictures::vermillion};
+    for (std::size_t p = 0; p < r.policies.size(); ++p) {
+        for (const Life& one : r.policies[p].lives) {
+            brakes.add(static_cast<double>(p) - 0.08, one.brake_at_plan * 100.0);
+            brakes.notes.emplace_back(&one == &r.policies[p].lives.front() ? r.policies[p].policy.name : "");
+            tyres.add(static_cast<double>(p) + 0.08, one.tyre_at_plan * 100.0);
+        }
+    }
+    const double end = static_cast<double>(r.policies.size()) - 0.4;
+    const double tolerance = 100.0 * r.plan.tolerance;
+    const pictures::Chart policies{
+        .y_label = "used at the planned landing (%)",
+        .x_label = "policy",
+        .series = {pictures::level(fmt::format("plan, within {} %", tolerance), -0.6, end, 100.0 + tolerance, pictures::grey),
+                   pictures::level("", -0.6, end, 100.0 - tolerance, pictures::grey), std::move(brakes), std::move(tyres)},
+        .x_range = pictures::Range{-0.6, end}};
+    pictures::draw(
+        {.title = fmt::format("Brake and tyre used up together: {} {}, seed {}", lives.size(), lives.size() == 1 ? "life" : "lives", r.options.seed),
+         .charts = {used, std::move(reference), policies}},
+        png);
 }
 
 }  // namespace plant_sim::lab

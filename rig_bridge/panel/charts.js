@@ -1,10 +1,11 @@
 'use strict';
-// Charts and tables of the panel. Text from outside goes through textContent only.
+// Charts and tables of the panel, charts of the report. Text from outside goes through textContent only.
 
 const colors = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#000000'];  // Okabe and Ito
 const byId = id => document.getElementById(id);
 const show = (node, on) => { node.hidden = !on; };
 const finite = value => typeof value === 'number' && isFinite(value);
+const quoted = text => '"' + text.replaceAll('"', '""') + '"';
 const number = value => finite(value) ? String(+value.toPrecision(4)) : '\u2013';
 let about = { channels: [], changes: [] };
 
@@ -34,22 +35,28 @@ function save(name, type, text) {
 const titles = { speed: 'Speed', slip: 'Slip', pressure: 'Brake pressure', current: 'Valve current', load: 'Vertical load',
   temperature: 'Temperature' };
 
+// The charts of the panel's channels. `bars`: each value is [least, last, greatest].
+function channelCharts(bars) {
+  return [...new Set(about.channels.map(c => c.chart))].map(name => {
+    const channels = about.channels.filter(c => c.chart === name), unit = channels[0].unit ? ', ' + channels[0].unit : '';
+    return { name, channels, bars, title: titles[name] + unit, unit, x: 'time, s' };
+  });
+}
+
 class Charts {
-  // `bars`: each value is [least, last, greatest].
-  constructor(parent, bars) {
-    this.bars = bars;
-    this.all = [...new Set(about.channels.map(c => c.chart))].map(name => {
-      const channels = about.channels.filter(c => c.chart === name);
+  // `list`: [{title, unit, x, bars}], what each is called, its unit as its columns end with it, its abscissa.
+  constructor(parent, list) {
+    this.all = list.map(chart => {
       const box = make('div', undefined, { class: 'chart' });
-      const chart = { name, channels, box, plot: make('div', undefined, { class: 'plot' }), legend: make('div', undefined, { class: 'legend' }) };
-      chart.title = titles[name] + (channels[0].unit ? ', ' + channels[0].unit : '');
-      box.append(make('h3', chart.title), chart.plot, chart.legend);
+      const made = { ...chart, box, plot: make('div', undefined, { class: 'plot' }), legend: make('div', undefined, { class: 'legend' }) };
+      box.append(make('h3', chart.title), made.plot, made.legend);
       parent.append(box);
-      return chart;
+      return made;
     });
   }
 
-  // `series` of a chart: [{label, color, dashed}], `rows`: [x, ...]; only what has a value is shown.
+  // `series` of a chart: [{label, color, dashed, hidden: not in the legend, look: options of dygraphs}], `rows`: [x, ...]; only what has a value
+  // is shown.
   draw(chart, series, rows, options) {
     chart.series = series;
     chart.rows = rows;
@@ -57,28 +64,31 @@ class Charts {
     if (chart.box.hidden || typeof Dygraph === 'undefined') return;
     // A series is named by its place: two runs may have the same label.
     const settings = { file: rows, labels: ['s', ...series.map((s, i) => String(i))], colors: series.map(s => s.color), ...options };
-    settings.series = Object.fromEntries(series.map((s, i) => [String(i), { strokePattern: s.dashed ? [6, 4] : null }]));
+    settings.series = Object.fromEntries(series.map((s, i) => [String(i), { strokePattern: s.dashed ? [6, 4] : null, ...s.look }]));
     if (chart.graph) {
       chart.graph.updateOptions(settings);
     } else {
       chart.graph = new Dygraph(chart.plot, rows, {
-        ...settings, customBars: this.bars, legend: 'never', connectSeparatedPoints: true, strokeWidth: 1.6, gridLineColor: '#e3e7eb',
+        ...settings, customBars: chart.bars, legend: 'never', connectSeparatedPoints: true, strokeWidth: 1.6, gridLineColor: '#e3e7eb',
         axisLineColor: '#8b949e', axisLabelFontSize: 11, fillAlpha: 0.3, animatedZooms: false,
-        highlightCallback: (event, x, points) => this.label(chart, x, points), unhighlightCallback: () => this.label(chart),
+        highlightCallback: (event, x, points, row, nearest) => this.label(chart, x, points, nearest), unhighlightCallback: () => this.label(chart),
       });
     }
     this.label(chart);
   }
 
-  label(chart, x, points) {
-    chart.legend.replaceChildren(...chart.series.map((s, i) => {
+  // Of many curves the legend has the value of the nearest one.
+  label(chart, x, points, nearest) {
+    const items = chart.series.flatMap((s, i) => {
+      const point = points && (!nearest || nearest === String(i)) && points.find(p => p.name === String(i));
+      if (s.hidden && !point) return [];
       const line = make('i', '', { class: s.dashed ? 'dashed' : '' });
       line.style.borderTopColor = s.color;
-      const point = points && points.find(p => p.name === String(i));
       const item = make('span', s.label + (point ? ' ' + number(point.yval) : ''));
       item.prepend(line);
-      return item;
-    }), x === undefined ? '' : make('span', 'at ' + number(x) + ' s'));
+      return [item];
+    });
+    chart.legend.replaceChildren(...items, x === undefined ? '' : make('span', chart.x + ' ' + number(x)));
   }
 
   synchronize() {
@@ -99,8 +109,7 @@ class Charts {
 
   csv() {
     const charts = this.visible();
-    const quote = text => '"' + text.replaceAll('"', '""') + '"';
-    const names = charts.flatMap(c => c.series.map(s => quote(s.label + (c.channels[0].unit ? ', ' + c.channels[0].unit : ''))));
+    const names = charts.flatMap(c => c.series.map(s => quoted(s.label + c.unit)));
     const rows = new Map();
     let at = 0;
     for (const chart of charts) {
@@ -111,7 +120,7 @@ class Charts {
       at += chart.series.length;
     }
     const lines = [...rows.entries()].sort((a, b) => a[0] - b[0]).map(([x, values]) => [x, ...values].join(','));
-    return ['"time, s"', ...names].join(',') + '\n' + lines.join('\n') + '\n';
+    return [quoted('time, s'), ...names].join(',') + '\n' + lines.join('\n') + '\n';
   }
 
   svg() {
@@ -157,7 +166,7 @@ class Overlay {
     this.bar = bar;
     show(bar, false);
     place.append(bar, grid);
-    this.charts = new Charts(grid, false);
+    this.charts = new Charts(grid, channelCharts(false));
   }
 
   // `runs`: [{name, columns}]; the columns are those of about.channels, and t, s since brake-on.

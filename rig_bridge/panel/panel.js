@@ -14,7 +14,7 @@ async function ask(name, parameters, change) {
 // ---- live
 
 function live() {
-  const charts = new Charts(byId('live_charts'), true), kept_s = 10;
+  const charts = new Charts(byId('live_charts'), channelCharts(true)), kept_s = 10;
   const boxes = about.channels.map(c => {
     const box = make('div', c.label), value = make('b', '\u2013', { id: 'live_' + c.key });
     box.prepend(value);

@@ -20,6 +20,7 @@
 
 #include "rig_bridge/panel/about.hpp"
 #include "rig_bridge/panel/live_feed.hpp"
+#include "rig_bridge/panel/page.hpp"
 
 namespace rig::panel {
 
@@ -58,7 +59,7 @@ struct ServerOptions {
     std::map<std::string, Handler> reads{};  ///< by name, GET /api/NAME
     /// POST /api/NAME, with the token in X-Panel-Token.
     std::map<std::string, Handler> changes{};
-    std::filesystem::path charts = "/usr/share/javascript/dygraphs";
+    std::filesystem::path charts = kChartsLibrary;
 };
 
 class Server {

@@ -161,7 +161,10 @@ std::string json_of(const Chart& chart) {
         const auto same = static_cast<std::size_t>(
             std::find_if(chart.series.begin(), chart.series.end(), [&](const Series& other) { return other.x == s.x; }) - chart.series.begin());
         fmt::format_to(std::back_inserter(series), R"({}{{"name":{},"style":"{}","color":"{}","width":{},"legend":{},"x":{},"y":{})",
-                       i == 0 ? "" : ",\n", json_text(s.name), s.style == Style::points ? "points" : s.style == Style::dashes ? "dashes" : "line",
+                       i == 0 ? "" : ",\n", json_text(s.name),
+                       s.style == Style::points   ? "points"
+                       : s.style == Style::dashes ? "dashes"
+                                                  : "line",
                        gnuplot_colour(s.colour), s.width, s.in_legend, same < i ? std::to_string(same) : array_text(s.x), array_text(s.y));
         if (!s.low.empty()) series += ",\"low\":" + array_text(s.low) + ",\"high\":" + array_text(s.high);
         if (!s.notes.empty()) series += ",\"notes\":" + json_text(s.notes);

@@ -34,7 +34,8 @@ class Columns {
     }
 
     /// Column `y` over column `x`, times `scale`, where `when` is above `floor`.
-    [[nodiscard]] Series over(const char* x, const char* y, const char* name, Colour colour, const char* when, double floor, double scale = 1.0) const {
+    [[nodiscard]] Series over(const char* x, const char* y, const char* name, Colour colour, const char* when, double floor,
+                              double scale = 1.0) const {
         Series s{.name = name, .colour = colour};
         for (std::size_t i = 0; i < rows_; ++i) s.add(at(x, i), at(when, i) > floor ? at(y, i) * scale : kNone);
         return s;
@@ -45,7 +46,8 @@ class Columns {
         std::string_view line = csv.substr(0, csv.find('\n'));
         csv.remove_prefix(std::min(csv.size(), line.size() + 1));
         std::vector<std::string> all;
-        for (std::size_t from = 0; from <= line.size(); from += all.back().size() + 1) all.emplace_back(line.substr(from, line.find(',', from) - from));
+        for (std::size_t from = 0; from <= line.size(); from += all.back().size() + 1)
+            all.emplace_back(line.substr(from, line.find(',', from) - from));
         return all;
     }
 
@@ -66,8 +68,7 @@ void draw_stop(std::string_view csv, const std::filesystem::path& png, const std
     };
     Figure figure{.title = title};
     const auto chart = [&](const char* label, std::vector<Series> series, std::optional<Range> range) {
-        figure.charts.push_back(
-            {.y_label = label, .x_label = "time (s)", .series = std::move(series), .y_range = range, .marks = {brake_on_s}});
+        figure.charts.push_back({.y_label = label, .x_label = "time (s)", .series = std::move(series), .y_range = range, .marks = {brake_on_s}});
     };
     chart("speed (m/s)", {curve("speed_mps", "aircraft", blue), curve("wheel_rim_speed_mps", "wheel", vermillion)}, {});
     chart("slip",

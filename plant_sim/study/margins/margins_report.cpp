@@ -202,13 +202,8 @@ void draw_plant(const std::vector<StopConditions>& scenarios, double slip_refere
     }
     const auto chart = [](const char* title, const char* label, const std::vector<pictures::Series>& series, pictures::Range x,
                           std::optional<pictures::Range> y) {
-        return pictures::Chart{.title = title,
-                               .y_label = label,
-                               .x_label = "frequency (rad/s)",
-                               .series = series,
-                               .x_range = x,
-                               .y_range = y,
-                               .logarithmic_x = true};
+        return pictures::Chart{
+            .title = title, .y_label = label, .x_label = "frequency (rad/s)", .series = series, .x_range = x, .y_range = y, .logarithmic_x = true};
     };
     constexpr pictures::Range kAll{kFrom_radps, kTo_radps}, kLoop{10.0, 400.0};
     constexpr pictures::Range kAllPhases{-720.0, 45.0}, kLoopPhases{-360.0, 0.0}, kLoopMagnitude{-60.0, 0.0};
@@ -233,16 +228,16 @@ void draw_margins(const std::vector<StopConditions>& scenarios, const std::vecto
         one.series.push_back(pictures::level("asked for", 0.0, fastest, wanted, pictures::black));
         return one;
     };
-    pictures::draw({.title = fmt::format("Margins of the shipped slip law over speed, tyre {}, all scenarios (one line each)", head.tyre),
-                    .charts = {chart("phase margin", "deg", {0.0, 100.0}, requirement.phase_deg, [](const Cell& c) { return c.law.full.phase_deg; }),
-                               chart("largest phase margin of any controller", "deg", {0.0, 185.0}, requirement.phase_deg,
-                                     [](const Cell& c) { return c.limits.phase_deg; }),
-                               chart("upward gain margin", "dB", {0.0, 10.0}, requirement.gain_dB,
-                                     [](const Cell& c) { return c.law.full.gain_up_dB; }),
-                               chart("downward gain margin; no line: none needed", "dB", {0.0, 40.0}, requirement.gain_dB,
-                                     [](const Cell& c) { return c.law.full.gain_down_dB; })},
-                    .columns = 2},
-                   png);
+    pictures::draw(
+        {.title = fmt::format("Margins of the shipped slip law over speed, tyre {}, all scenarios (one line each)", head.tyre),
+         .charts = {chart("phase margin", "deg", {0.0, 100.0}, requirement.phase_deg, [](const Cell& c) { return c.law.full.phase_deg; }),
+                    chart("largest phase margin of any controller", "deg", {0.0, 185.0}, requirement.phase_deg,
+                          [](const Cell& c) { return c.limits.phase_deg; }),
+                    chart("upward gain margin", "dB", {0.0, 10.0}, requirement.gain_dB, [](const Cell& c) { return c.law.full.gain_up_dB; }),
+                    chart("downward gain margin; no line: none needed", "dB", {0.0, 40.0}, requirement.gain_dB,
+                          [](const Cell& c) { return c.law.full.gain_down_dB; })},
+         .columns = 2},
+        png);
 }
 
 }  // namespace study::margins

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -10,59 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "plant_sim/study/paper/assets.hpp"
 #include "plant_sim/study/paper/output_html.hpp"
+#include "rig_bridge/panel/page.hpp"
 
 namespace paper {
 
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-constexpr const char* kStyle = R"(
-:root { --ink: #1c2733; --soft: #5b6773; --line: #d5dbe1; --blue: #1f4e79; --orange: #c55a11; --ground: #f5f7f9; }
-* { box-sizing: border-box; }
-body { margin: 0; color: var(--ink); background: #fff; font: 16px/1.55 Georgia, "DejaVu Serif", "Times New Roman", serif; }
-main { max-width: 62rem; margin: 0 auto; padding: 2.5rem 1.5rem 4rem; }
-h1 { font-size: 2rem; line-height: 1.2; margin: 0 0 .6rem; color: var(--blue); }
-h2 { font-size: 1.35rem; margin: 3rem 0 .6rem; padding-top: .6rem; border-top: 2px solid var(--blue); color: var(--blue); }
-p { margin: .6rem 0; max-width: 48rem; }
-.head { color: var(--soft); font: 13px/1.5 "DejaVu Sans", Helvetica, Arial, sans-serif; }
-nav ol { columns: 2; column-gap: 3rem; font: 14px/1.7 "DejaVu Sans", Helvetica, Arial, sans-serif; padding-left: 1.5rem; }
-a { color: var(--blue); text-decoration: none; }
-figure { margin: 1.4rem 0; break-inside: avoid; }
-figure img { display: block; width: 100%; max-width: 1100px; height: auto; border: 1px solid var(--line); }
-figcaption { font: 14px/1.5 "DejaVu Sans", Helvetica, Arial, sans-serif; margin-top: .5rem; }
-.made { color: var(--soft); font: 12px/1.5 "DejaVu Sans Mono", Consolas, monospace; overflow-wrap: anywhere; margin: .2rem 0 0; }
-.made::before { content: "$ "; color: var(--orange); }
-table { border-collapse: collapse; width: 100%; font: 14px/1.45 "DejaVu Sans", Helvetica, Arial, sans-serif; margin: 1rem 0; }
-th, td { padding: .35rem .6rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
-th { background: var(--ground); border-bottom: 2px solid var(--blue); }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-tr { break-inside: avoid; }
-table.output { font-size: 12px; font-variant-numeric: tabular-nums; }
-table.output th, table.output td { padding: .15rem .3rem; }
-table.output td { white-space: nowrap; }
-pre { background: var(--ground); border: 1px solid var(--line); padding: .8rem 1rem; white-space: pre-wrap;
-      font: 12px/1.45 "DejaVu Sans Mono", Consolas, monospace; margin: 1rem 0; }
-.note { border-left: 4px solid var(--orange); background: #fdf3ec; padding: .6rem 1rem; margin: 1rem 0;
-        font: 14px/1.5 "DejaVu Sans", Helvetica, Arial, sans-serif; break-inside: avoid; }
-.note pre { background: #fff; margin: .5rem 0 0; }
-@page { size: A4; margin: 16mm 14mm; }
-@media print {
-  body { font-size: 10.5pt; }
-  main { max-width: none; padding: 0; }
-  section { break-before: page; }
-  h2 { margin-top: 0; break-after: avoid; }
-  .next { break-after: avoid; }
-  pre { font-size: 6.6pt; break-inside: auto; }
-  figure img { max-height: 178mm; width: auto; max-width: 100%; margin: 0 auto; }
-  table { font-size: 8.5pt; }
-  table.output { font-size: 6.6pt; }
-  table.output th, table.output td { padding: .05rem .28rem; }
-  th, td { padding: .15rem .4rem; }
-  a { color: inherit; }
-}
-)";
 
 std::string bytes_of(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
@@ -82,30 +39,55 @@ std::string paragraphs(const std::string& text) {
     return out;
 }
 
-/// Width and height from a PNG's first chunk, so that the page does not move while it is read; none when it is no PNG.
-std::optional<std::array<unsigned, 2>> size_of_png(std::string_view bytes) {
-    constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
-    constexpr std::size_t kWidthAt = 16;
-    constexpr std::size_t kEnd = 24;
-    if (!bytes.starts_with(kSignature) || bytes.size() < kEnd) return std::nullopt;
-    std::array<unsigned, 2> size{};
-    for (std::size_t i = 0; i < 2; ++i)
-        for (std::size_t k = 0; k < 4; ++k) size[i] = (size[i] << 8U) | static_cast<unsigned char>(bytes[kWidthAt + 4 * i + k]);
-    return size;
+/// An attribute of an SVG's first element; 0 where it has none.
+int svg_size(std::string_view svg, std::string_view attribute) {
+    const std::string begin = fmt::format(" {}=\"", attribute);
+    const std::size_t at = svg.find(begin);
+    int value = 0;
+    if (at != std::string_view::npos) (void)std::from_chars(svg.data() + at + begin.size(), svg.data() + svg.size(), value);
+    return value;
 }
 
+std::string if_there(const fs::path& file) {
+    return fs::exists(file) ? bytes_of(file) : "";
+}
+
+/// The picture, and what a chart is drawn from, or a table to take away.
 std::string figure(const Picture& picture, const SectionResult& result) {
-    const std::string caption = fmt::format("<figcaption>{}</figcaption>\n<p class=\"made\">{}</p>\n", escaped(picture.caption),
-                                            escaped(result.commands[picture.command].line));
+    const fs::path file = result.directory / picture.file;
+    const std::string name = fmt::format("{}-{}", result.section->id, file.stem().string());
+    std::string parts;
+    std::string link;
     try {
-        const std::string bytes = bytes_of(result.directory / picture.file);
-        const auto size = size_of_png(bytes);
-        if (!size) throw std::runtime_error("is no PNG");
-        return fmt::format("<figure>\n<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/png;base64,{}\">\n{}</figure>\n",
-                           escaped(picture.caption), (*size)[0], (*size)[1], base64(bytes), caption);
+        const std::string svg = bytes_of(file);
+        if (svg.find("<svg") == std::string::npos) throw std::runtime_error("is no SVG");
+        parts = fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/svg+xml;base64,{}\">\n", escaped(picture.caption),
+                            svg_size(svg, "width"), svg_size(svg, "height"), base64(svg));
+        std::string charts = if_there(fs::path(file).replace_extension(".charts.json"));
+        // Nothing in it may end the element that it is in.
+        for (std::size_t at = charts.find('<'); at != std::string::npos; at = charts.find('<', at)) charts.replace(at, 1, "\\u003c");
+        if (!charts.empty()) parts += "<script type=\"application/json\">" + charts + "</script>\n";
+        const std::string table = charts.empty() ? if_there(fs::path(file).replace_extension(".csv")) : "";
+        if (!table.empty())
+            link =
+                fmt::format(" <a class=\"csv\" download=\"{}.csv\" href=\"data:text/csv;base64,{}\">Data as CSV</a>", escaped(name), base64(table));
     } catch (const std::runtime_error& e) {
-        return fmt::format("<figure>\n<div class=\"note\">The picture {} {}.</div>\n{}</figure>\n", escaped(picture.file), e.what(), caption);
+        parts = fmt::format("<div class=\"note\">The picture {} {}.</div>\n", escaped(picture.file), e.what());
     }
+    return fmt::format("<figure id=\"{}\">\n{}<figcaption>{}{}</figcaption>\n<p class=\"made\">{}</p>\n</figure>\n", escaped(name), parts,
+                       escaped(picture.caption), link, escaped(result.commands[picture.command].line));
+}
+
+/// Charts in the page, for those who look at it on a screen.
+std::string scripts(const fs::path& library) {
+    std::string out;
+    for (const char* file : {"dygraph.min.js", "extras/synchronizer.js"}) {
+        const std::string text = if_there(library / file);
+        if (text.empty()) return "";
+        out += "<script>" + text + "</script>\n";
+    }
+    return "<style>" + if_there(library / "dygraph.min.css") + "</style>\n" + out + "<script>" + rig::panel::kChartsJs + "</script>\n<script>" +
+           kReportJs + "</script>\n";
 }
 
 /// What the section's commands answered, where that is not yes.
@@ -159,6 +141,7 @@ std::string comparison_table(const std::vector<Compared>& rows) {
 std::string section_html(const SectionResult& result, const std::vector<Compared>& rows) {
     const Section& s = *result.section;
     std::string out = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}{}", s.id, escaped(s.title), paragraphs(s.text), verdict(result));
+    out += s.html;
     for (const Picture& p : s.pictures) out += figure(p, result);
     std::vector<Compared> own;
     for (const Compared& c : rows)
@@ -292,13 +275,18 @@ std::string escaped(std::string_view text) {
 std::string to_html(const Contents& contents, const std::vector<SectionResult>& results, const std::vector<Compared>& rows, const PageHead& head) {
     std::string out = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, "
-        "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
+        "initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
+        "script-src 'unsafe-inline'\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
         "<h1>{0}</h1>\n<p class=\"head\">version {2} &middot; configuration {3}</p>\n<p class=\"made\">{4}</p>\n",
-        escaped(contents.title), kStyle, escaped(head.version), escaped(head.config_hash), escaped(head.command));
+        escaped(contents.title), kReportCss, escaped(head.version), escaped(head.config_hash), escaped(head.command));
     if (head.quick)
         out +=
             "<div class=\"note\">This is the quick form: fewer stops, starts and maneuvers than the studies need. Its figures are rougher than those "
             "of the report itself.</div>\n";
+    const std::string charts = scripts(head.charts_library);
+    out += charts.empty() ? "<p class=\"head\">Charts that zoom need the package libjs-dygraphs where the report is made; these are pictures.</p>\n"
+                          : "<p class=\"head help\">Drag over a chart to zoom, hold shift and drag to pan, double-click to see all; point at it for "
+                            "values. Of long series each of 300 parts keeps its first, last, least and greatest value.</p>\n";
     out += paragraphs(contents.text) + "<nav><ol>\n";
     for (const SectionResult& r : results) {
         const char* state = r.failed() ? " (failed)" : r.answered_yes() ? "" : " (answers no)";
@@ -307,7 +295,7 @@ std::string to_html(const Contents& contents, const std::vector<SectionResult>& 
     out += "</ol></nav>\n";
     if (!rows.empty()) out += "<h2>The paper and this project</h2>\n" + comparison_table(rows);
     for (const SectionResult& r : results) out += section_html(r, rows);
-    return out + "</main>\n</body>\n</html>\n";
+    return out + "</main>\n" + charts + "</body>\n</html>\n";
 }
 
 std::string to_json(const std::vector<SectionResult>& results, const std::vector<Compared>& rows, const PageHead& head) {

@@ -1,4 +1,4 @@
-/// The report as one HTML page that needs nothing else: pictures in it, no script, no font, no address. Reads on paper.
+/// The report as one HTML page that needs nothing else: pictures, data and scripts in it, nothing fetched. Reads on paper.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plant_sim/study/paper/run.hpp"
+#include "rig_bridge/panel/page.hpp"
 
 namespace paper {
 
@@ -31,6 +32,7 @@ struct PageHead {
     std::string config_hash;
     std::string command;  ///< that made the page
     bool quick = false;
+    std::filesystem::path charts_library = rig::panel::kChartsLibrary;  ///< without it the page has pictures alone
 };
 
 [[nodiscard]] std::string to_html(const Contents& contents, const std::vector<SectionResult>& results, const std::vector<Compared>& rows,

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "firmware/host/settings/input_file.hpp"
 #include "firmware/host/settings/settings.hpp"
 
 namespace paper {
@@ -46,7 +47,7 @@ Comparison comparison(const Table& t) {
             .decimals = t.find_integer<int>("decimals", {.min = 0, .max = 9}).value_or(3)};
 }
 
-Section section(const Table& t, const std::vector<Section>& earlier) {
+Section section(const Table& t, const std::vector<Section>& earlier, const std::filesystem::path& directory) {
     Section s;
     s.id = t.text("id");
     if (!is_name(s.id)) t.fail("id", "names a directory: letters, digits, _ and - only");
@@ -57,8 +58,10 @@ Section section(const Table& t, const std::vector<Section>& earlier) {
     s.after = t.find_text("after").value_or("");
     if (!s.after.empty() && std::none_of(earlier.begin(), earlier.end(), is(s.after)))
         t.fail("after", "'" + s.after + "' is no section above this one");
-    s.commands = lines_of(t.text("commands"));
-    if (s.commands.empty()) t.fail("commands", "has no command; one a line");
+    if (const auto file = t.find_text("html")) s.html = settings::read_file(directory / *file);
+    s.commands = lines_of(s.html.empty() ? t.text("commands") : t.find_text("commands").value_or(""));
+    if (s.commands.empty() && (s.html.empty() || !s.after.empty() || !t.tables("picture", {.min = 0}).empty()))
+        t.fail("commands", "has no command; one a line");
     s.quick_commands = lines_of(t.find_text("quick_commands").value_or(""));
     if (!s.quick_commands.empty() && s.quick_commands.size() != s.commands.size()) t.fail("quick_commands", "must be as many as commands");
     const auto last = static_cast<double>(s.commands.size());
@@ -76,7 +79,7 @@ Contents load_contents(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const Table root = doc.root();
     Contents contents{.title = root.text("title"), .text = root.find_text("text").value_or(""), .sections = {}};
-    for (const Table& t : root.tables("section")) contents.sections.push_back(section(t, contents.sections));
+    for (const Table& t : root.tables("section")) contents.sections.push_back(section(t, contents.sections, file.parent_path()));
     doc.finish();
     return contents;
 }

@@ -10,7 +10,7 @@
 namespace paper {
 
 struct Picture {
-    std::string file;  ///< PNG in the section's directory
+    std::string file;  ///< SVG in the section's directory
     std::string caption;
     std::size_t command = 0;  ///< index of the one that makes it
 };
@@ -31,6 +31,7 @@ struct Section {
     std::string id;  ///< name of its directory: letters, digits, _ and -
     std::string title;
     std::string text;                         ///< paragraphs, empty lines between
+    std::string html;                         ///< as it is, below the text
     std::string after;                        ///< id of the section whose results it uses; empty: none
     std::vector<std::string> commands;        ///< with {here}, {out} and {config} for paths
     std::vector<std::string> quick_commands;  ///< of the fast form; empty: the same

@@ -96,8 +96,7 @@ pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y
     Series inside{.name = "within the bounds", .style = Style::points, .colour = pictures::blue};
     double next_label = 0.0;
     for (const Offer& o : t.offers) {
-        const bool good =
-            !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
+        const bool good = !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
         Series& one = good ? inside : outside;
         one.add(o.cost, y(o));
         const bool named = o.slip_reference >= next_label - 1e-9;

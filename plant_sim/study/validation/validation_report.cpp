@@ -115,18 +115,19 @@ void draw_validation(const Validation& validation, const std::filesystem::path& 
     using Wheel = std::optional<double>;
     pictures::draw(
         {.title = title,
-         .charts = {chart("speed (m/s)",
-                          {measured("aircraft, recorded", pictures::black, [](const Row& r) { return r.speed_mps; }),
-                           simulated("aircraft, simulated", pictures::orange, [](const Row& r) { return r.simulated_speed_mps; }),
-                           measured("wheel, recorded", pictures::blue, [](const Row& r) { return r.wheel_rim_mps; }),
-                           simulated("wheel, simulated", pictures::sky, [](const Row& r) { return r.simulated_wheel_rim_mps; })}),
+         .charts = {chart("speed (m/s)", {measured("aircraft, recorded", pictures::black, [](const Row& r) { return r.speed_mps; }),
+                                          simulated("aircraft, simulated", pictures::orange, [](const Row& r) { return r.simulated_speed_mps; }),
+                                          measured("wheel, recorded", pictures::blue, [](const Row& r) { return r.wheel_rim_mps; }),
+                                          simulated("wheel, simulated", pictures::sky, [](const Row& r) { return r.simulated_wheel_rim_mps; })}),
                     chart("slip", {measured("recorded", pictures::blue, [](const Row& r) { return r.slip; }),
                                    simulated("simulated", pictures::orange, [](const Row& r) { return r.simulated_slip; })}),
                     chart("simulated - recorded (m/s)",
                           {measured("aircraft", pictures::black, [](const Row& r) { return r.simulated_speed_mps - r.speed_mps; }),
-                           measured("wheel", pictures::sky, [](const Row& r) {
-                               return r.wheel_rim_mps && r.simulated_wheel_rim_mps ? Wheel(*r.simulated_wheel_rim_mps - *r.wheel_rim_mps) : Wheel();
-                           })})}},
+                           measured("wheel", pictures::sky,
+                                    [](const Row& r) {
+                                        return r.wheel_rim_mps && r.simulated_wheel_rim_mps ? Wheel(*r.simulated_wheel_rim_mps - *r.wheel_rim_mps)
+                                                                                            : Wheel();
+                                    })})}},
         png);
 }
 
