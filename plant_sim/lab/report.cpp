@@ -63,7 +63,7 @@ struct ReportCommand {
         const std::vector<paper::SectionResult> results =
             paper::run_sections(found, {.out = out, .config = config, .quick = quick, .jobs = jobs, .program = program_of, .progress = show});
         if (bar) bar->finish();
-        const std::vector<paper::Compared> rows = paper::compared(results);
+        const std::vector<paper::Compared> rows = paper::compared(results, config);
         std::vector<fs::path> files{file};
         for (const char* name : {"landing_gear.toml", "flywheel_rig.toml", "maneuvers.toml", "surfaces.toml", "controller.toml",
                                  "controller_endurance.toml", "antiskid.dbc", "antiskid_binding.toml"})

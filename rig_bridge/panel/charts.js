@@ -55,8 +55,8 @@ class Charts {
     });
   }
 
-  // `series` of a chart: [{label, color, dashed, hidden: not in the legend, look: options of dygraphs}], `rows`: [x, ...]; only what has a value
-  // is shown.
+  // `series` of a chart: [{label, color, dashed, dot, hidden: not in the legend, look: options of dygraphs}], `rows`: [x, ...]; only what has
+  // a value is shown.
   draw(chart, series, rows, options) {
     chart.series = series;
     chart.rows = rows;
@@ -69,7 +69,7 @@ class Charts {
       chart.graph.updateOptions(settings);
     } else {
       chart.graph = new Dygraph(chart.plot, rows, {
-        ...settings, customBars: chart.bars, legend: 'never', connectSeparatedPoints: true, strokeWidth: 1.6, gridLineColor: '#e3e7eb',
+        ...settings, customBars: chart.bars, legend: 'never', connectSeparatedPoints: true, strokeWidth: 1.6, gridLineColor: '#d0d7de',
         axisLineColor: '#8b949e', axisLabelFontSize: 11, fillAlpha: 0.3, animatedZooms: false,
         highlightCallback: (event, x, points, row, nearest) => this.label(chart, x, points, nearest), unhighlightCallback: () => this.label(chart),
       });
@@ -82,8 +82,8 @@ class Charts {
     const items = chart.series.flatMap((s, i) => {
       const point = points && (!nearest || nearest === String(i)) && points.find(p => p.name === String(i));
       if (s.hidden && !point) return [];
-      const line = make('i', '', { class: s.dashed ? 'dashed' : '' });
-      line.style.borderTopColor = s.color;
+      const line = make('i', '', { class: s.dot ? 'dot' : s.dashed ? 'dashed' : '' });
+      line.style.borderColor = s.color;
       const item = make('span', s.label + (point ? ' ' + number(point.yval) : ''));
       item.prepend(line);
       return [item];

@@ -43,12 +43,7 @@ paper::RunOptions options(const TempDir& dir, unsigned jobs) {
     return {.out = dir.path() / "out", .config = "config", .quick = false, .jobs = jobs, .program = program, .progress = {}};
 }
 
-/// A PNG of one white dot.
-const std::string kDot(
-    "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0:~"
-    "\x9bU\0\0\0\nIDATx\x9c\x63\xf8\x0f\0\x01\x01\x01\0\x1b\xb6\xeeV\0\0\0\0IEND\xae"
-    "B`\x82",
-    67);
+const std::string kDot = R"(<svg width="30" height="20" xmlns="http://www.w3.org/2000/svg"><circle cx="5" cy="5" r="5"/></svg>)";
 
 std::size_t count(const std::string& text, const std::string& what) {
     std::size_t n = 0;
@@ -83,6 +78,7 @@ TEST_CASE("a report's sections are read, and mistakes refused with line and key"
     CHECK_THAT(rejection(kHead + section("a", "x", "quick_commands = \"\"\"\nx\ny\n\"\"\"\n")), ContainsSubstring("as many as commands"));
     CHECK_THAT(rejection(kHead + section("a", "x", "show = [2]\n")), ContainsSubstring("show"));
     CHECK_THAT(rejection(kHead + section("a", "x", "pictures = 3\n")), ContainsSubstring("pictures"));
+    CHECK_THROWS_WITH(paper::load_contents(dir.write("h.toml", kHead + section("a", "x", "html = \"none.html\"\n"))), ContainsSubstring("none.html"));
 }
 
 TEST_CASE("commands run after what they build on; 1 is an answer, 2 ends a section and those that wait for it", "[STUDY-185]") {
@@ -134,6 +130,20 @@ TEST_CASE("the quick form has its own commands, and a configuration of its own r
     CHECK(quick[0].commands[0].line == "echo quick --config 'my rig'");
 }
 
+TEST_CASE("a section may be a text of one's own, whose drawing is kept beside the page", "[STUDY-185]") {
+    const TempDir dir;
+    dir.write("own.html", "<p>own</p><svg>drawn</svg><p>more</p>");
+    const std::string own = kHead + "[[section]]\nid = \"a\"\ntitle = \"A\"\nhtml = \"own.html\"\n";
+    const paper::Contents contents = paper::load_contents(dir.write("r.toml", own));
+    const auto results = paper::run_sections(contents, options(dir, 1));
+    CHECK(results[0].answered_yes());
+    CHECK_THAT(paper::to_html(contents, results, {}, {}), ContainsSubstring("<p>own</p><svg>drawn</svg><p>more</p>"));
+    std::ifstream kept(results[0].directory / "a.svg");
+    CHECK(std::string(std::istreambuf_iterator<char>(kept), {}) == "<svg>drawn</svg>");
+    const std::string picture = own + "[[section.picture]]\nfile = \"p.svg\"\ncaption = \"P\"\n";
+    CHECK_THROWS_WITH(paper::load_contents(dir.write("p.toml", picture)), ContainsSubstring("no command"));
+}
+
 TEST_CASE("figures are found in results by name, index, member and size", "[STUDY-185]") {
     const std::string json = R"({"a": {"b": [1.5, {"c": 2}]}, "rows": [{"r": 0.23, "v": 1}, {"r": 0.24, "v": 2, "n": "x"}]})";
     CHECK(paper::value_at(json, "/a/b/0") == 1.5);
@@ -172,8 +182,11 @@ TEST_CASE("tables that a command prints in Markdown are tables in the page, all 
 
 TEST_CASE("the page holds pictures, differences and every no; it needs nothing else", "[STUDY-185]") {
     const TempDir dir;
-    dir.write("dot.png", kDot);
+    dir.write("dot.svg", kDot);
+    dir.write("dot.charts.json", R"({"title":"</script><b>"})");
+    dir.write("dot.csv", "x,y\n");
     const std::string compare =
+        "[[section.compare]]\nquantity = \"shown\"\nsource = \"Table I\"\nfile = \"{config}/c.toml\"\nat = \"/a/b\"\n"
         "[[section.compare]]\nquantity = \"length\"\nunit = \"m\"\nsource = \"Table III\"\npaper = "
         "464.22\nfile = \"r.json\"\nat = "
         "\"/length\"\ndecimals = 2\n[[section.compare]]\nquantity = \"width\"\nsource = \"Fig. 5\"\npaper = "
@@ -181,37 +194,53 @@ TEST_CASE("the page holds pictures, differences and every no; it needs nothing e
         "\"/width\"\n";
     const paper::Contents contents = paper::load_contents(
         dir.write("r.toml", kHead +
-                                section("yes", "cp {out}/../dot.png {here}/a.png\ncp {out}/../r.json {here}/r.json\necho <b>shown</b>",
-                                        "show = [3]\ntext = \"first\\n\\nsecond\"\n[[section.picture]]\nfile = "
-                                        "\"a.png\"\ncaption = \"A & "
-                                        "B\"\ncommand = 1\n[[section.picture]]\nfile = \"b.png\"\ncaption = \"missing\"\n" +
+                                section("yes",
+                                        "cp {out}/../dot.svg {here}/a.svg\ncp {out}/../dot.svg {here}/c.svg\ncp {out}/../dot.csv {here}/c.csv\n"
+                                        "cp {out}/../dot.charts.json {here}/a.charts.json\ncp {out}/../r.json {here}/r.json\necho <b>shown</b>",
+                                        "show = [6]\ntext = \"first\\n\\nsecond\"\n[[section.picture]]\nfile = "
+                                        "\"a.svg\"\ncaption = \"A & "
+                                        "B\"\ncommand = 1\n[[section.picture]]\nfile = \"c.svg\"\ncaption = \"C\"\n[[section.picture]]\nfile = "
+                                        "\"b.svg\"\ncaption = \"missing\"\n" +
                                             compare) +
                                 section("no", "false")));
     dir.write("r.json", R"({"length": 463.11})");
     const auto results = paper::run_sections(contents, options(dir, 2));
-    const auto rows = paper::compared(results);
-    REQUIRE(rows.size() == 2);
-    CHECK(rows[0].ours == 463.11);
-    CHECK_FALSE(rows[1].ours.has_value());
-    const paper::PageHead head{.version = "1.2.3", .config_hash = "abc", .command = "rig-lab report", .quick = true};
+    dir.write("c.toml", "[a]\nb = 7.5\n");
+    const auto rows = paper::compared(results, dir.path());
+    REQUIRE(rows.size() == 3);
+    CHECK(rows[0].ours == 7.5);
+    CHECK(rows[1].ours == 463.11);
+    CHECK_FALSE(rows[2].ours.has_value());
+    paper::PageHead head{.version = "1.2.3", .config_hash = "abc", .command = "rig-lab report", .quick = true, .charts_library = dir.path() / "none"};
     const std::string html = paper::to_html(contents, results, rows, head);
-    CHECK_THAT(html, ContainsSubstring("src=\"data:image/png;base64," + paper::base64(kDot) + "\""));
-    CHECK_THAT(html, ContainsSubstring("width=\"1\" height=\"1\""));
+    CHECK_THAT(html, ContainsSubstring("src=\"data:image/svg+xml;base64," + paper::base64(kDot) + "\""));
+    CHECK_THAT(html, ContainsSubstring("width=\"30\" height=\"20\""));
     CHECK_THAT(html, ContainsSubstring("alt=\"A &amp; B\""));
     CHECK_THAT(html, ContainsSubstring("<p>first</p>\n<p>second</p>"));
-    CHECK_THAT(html, ContainsSubstring("The picture b.png is not there"));
+    CHECK_THAT(html, ContainsSubstring("The picture b.svg is not there"));
     CHECK_THAT(html, ContainsSubstring(">464.22</td><td class=\"n\">463.11</td><td class=\"n\">-1.11</td><td class=\"n\">-0.24 %</td>"));
     CHECK_THAT(html, ContainsSubstring("width: r.json: nothing at /width"));
     CHECK_THAT(html, ContainsSubstring("The answer of this study is no"));
     CHECK_THAT(html, ContainsSubstring("&lt;b&gt;shown&lt;/b&gt;"));
     CHECK_THAT(html, ContainsSubstring("quick form"));
     CHECK_THAT(html, ContainsSubstring("1.2.3"));
-    for (const char* foreign : {"http:", "https:", "<script", "@import", "url(", "<link", "<iframe"}) CHECK(count(html, foreign) == 0);
-    CHECK(count(html, "src=") == 1);
+    for (const char* foreign : {"http:", "https:", "<script>", "@import", "url(", "<link", "<iframe"}) CHECK(count(html, foreign) == 0);
+    CHECK(count(html, "src=") == 2);
+    CHECK_THAT(html, ContainsSubstring("<script type=\"application/json\">{\"title\":\"\\u003c/script>\\u003cb>\"}</script>"));
+    CHECK_THAT(html, ContainsSubstring("download=\"yes-c.csv\" href=\"data:text/csv;base64," + paper::base64("x,y\n")));
+    CHECK_THAT(html, ContainsSubstring("libjs-dygraphs"));
+    dir.write("dygraph.min.js", "let dygraphs;");
+    std::filesystem::create_directory(dir.path() / "extras");
+    dir.write("extras/synchronizer.js", "let together;");
+    head.charts_library = dir.path();
+    const std::string live = paper::to_html(contents, results, rows, head);
+    CHECK(count(live, "<script>") == 4);
+    CHECK_THAT(live, ContainsSubstring("<script>let dygraphs;</script>"));
     const auto json = nlohmann::json::parse(paper::to_json(results, rows, head));
     CHECK(json["config_hash"] == "abc");
-    CHECK(json["comparisons"][0]["ours"] == 463.11);
-    CHECK(json["comparisons"][1]["ours"].is_null());
+    CHECK(json["comparisons"][1]["ours"] == 463.11);
+    CHECK(json["comparisons"][2]["ours"].is_null());
+    CHECK(json["comparisons"][0]["paper"].is_null());
     CHECK(json["sections"][1]["commands"][0]["status"] == 1);
 }
 
@@ -227,6 +256,7 @@ TEST_CASE("the shipped report has every figure and table that is reproduced", "[
             CHECK((line.find("{here}") != std::string::npos));
         }
     }
-    for (const char* what : {"Fig. 3", "Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8", "Fig. 9", "Fig. 11", "Fig. 12", "Fig. 13", "Fig. 14", "Table III"})
+    for (const char* what : {"Fig. 3", "Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8", "Fig. 9", "Fig. 10", "Fig. 11", "Fig. 12", "Fig. 13", "Fig. 14",
+                             "Tables I and II", "Table III"})
         CHECK_THAT(titles, ContainsSubstring(what));
 }

@@ -155,6 +155,10 @@ std::string to_json(const std::vector<StopConditions>& scenarios, const std::vec
                         {"pid", to_json(c.pid)},
                         {"law", to_json(c.law)}});
     }
+    const Requirement& r = head.options.requirement;
+    const auto share = [&](const auto& good) {
+        return 100.0 * static_cast<double>(std::count_if(cells.begin(), cells.end(), good)) / static_cast<double>(cells.size());
+    };
     const ordered_json json{
         {"study", "margins"},
         {"config_hash", head.config_hash},
@@ -165,6 +169,11 @@ std::string to_json(const std::vector<StopConditions>& scenarios, const std::vec
         {"low_speed_fall", head.options.low_speed_fall},
         {"required_phase_margin_deg", head.options.requirement.phase_deg},
         {"required_gain_margin_dB", head.options.requirement.gain_dB},
+        {"share_of_cells",  // of the law, %
+         {{"stable", share([](const Cell& c) { return c.law.full.stable; })},
+          {"phase", share([&](const Cell& c) { return c.law.full.stable && c.law.full.phase_deg >= r.phase_deg; })},
+          {"meets", share([&](const Cell& c) { return meets(c.law.full, r); })},
+          {"feasible", share([&](const Cell& c) { return c.limits.allow(r); })}}},
         {"pid",
          {{"k_p_per_s", head.pid.k_p_per_s},
           {"k_i_per_s2", head.pid.k_i_per_s2},
@@ -178,7 +187,7 @@ std::string to_json(const std::vector<StopConditions>& scenarios, const std::vec
 
 void draw_plant(const std::vector<StopConditions>& scenarios, double slip_reference, double speed_mps, const std::filesystem::path& png) {
     constexpr double kFrom_radps = 0.01, kTo_radps = 2000.0;
-    constexpr int kPoints = 400;
+    constexpr int kPoints = 200;
     std::vector<pictures::Series> magnitude = series_of(scenarios);
     std::vector<pictures::Series> phases = magnitude;
     for (std::size_t i = 0; i < scenarios.size(); ++i) {

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
 #include "plant_sim/study/paper/assets.hpp"
@@ -118,13 +120,13 @@ std::string comparison_row(const Compared& c) {
     std::string share = "-";
     if (c.ours) {
         ours = printed(*c.ours, w.decimals);
-        difference = fmt::format("{:+.{}f}", *c.ours - w.printed, w.decimals);
-        if (w.printed != 0.0) share = fmt::format("{:+.2f} %", (*c.ours / w.printed - 1.0) * 100.0);
+        if (w.printed) difference = fmt::format("{:+.{}f}", *c.ours - *w.printed, w.decimals);
+        if (w.printed.value_or(0.0) != 0.0) share = fmt::format("{:+.2f} %", (*c.ours / *w.printed - 1.0) * 100.0);
     }
     return fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-        escaped(w.quantity), escaped(w.unit), escaped(w.source), w.relation.empty() ? "" : escaped(w.relation) + " ", printed(w.printed, w.decimals),
-        ours, difference, share);
+        escaped(w.quantity), escaped(w.unit), escaped(w.source), w.relation.empty() ? "" : escaped(w.relation) + " ",
+        w.printed ? printed(*w.printed, w.decimals) : "-", ours, difference, share);
 }
 
 std::string comparison_table(const std::vector<Compared>& rows) {
@@ -158,6 +160,17 @@ std::string section_html(const SectionResult& result, const std::vector<Compared
     for (const CommandResult& c : result.commands)
         if (result.commands.size() > 1) fmt::format_to(std::back_inserter(out), "<p class=\"made\">{}</p>\n", escaped(c.line));
     return out + "</section>\n";
+}
+
+/// The text of a result file, or a configuration file as if it were one.
+std::string json_in(std::string_view file, const fs::path& directory, const fs::path& config) {
+    constexpr std::string_view kConfig = "{config}/";
+    const fs::path path = file.starts_with(kConfig) ? config / file.substr(kConfig.size()) : directory / file;
+    std::string text = bytes_of(path);
+    if (path.extension() != ".toml") return text;
+    std::ostringstream json;
+    json << toml::json_formatter(toml::parse(text));
+    return json.str();
 }
 
 /// The element that `step` names, "name", "12" or "name[key=value]" without its name.
@@ -214,13 +227,13 @@ double value_at(std::string_view json, std::string_view path) {
     return at->get<double>();
 }
 
-std::vector<Compared> compared(const std::vector<SectionResult>& results) {
+std::vector<Compared> compared(const std::vector<SectionResult>& results, const fs::path& config) {
     std::vector<Compared> rows;
     for (const SectionResult& result : results)
         for (const Comparison& c : result.section->comparisons) {
             Compared row{.what = &c, .ours = std::nullopt, .why = {}};
             try {
-                row.ours = value_at(bytes_of(result.directory / c.file), c.at);
+                row.ours = value_at(json_in(c.file, result.directory, config), c.at);
             } catch (const std::exception& e) {
                 row.why = c.file + ": " + e.what();
             }
@@ -307,7 +320,10 @@ std::string to_json(const std::vector<SectionResult>& results, const std::vector
     }
     Json comparisons = Json::array();
     for (const Compared& c : rows) {
-        Json row{{"quantity", c.what->quantity}, {"unit", c.what->unit}, {"source", c.what->source}, {"paper", c.what->printed}};
+        Json row{{"quantity", c.what->quantity},
+                 {"unit", c.what->unit},
+                 {"source", c.what->source},
+                 {"paper", c.what->printed ? Json(*c.what->printed) : Json()}};
         row["ours"] = c.ours ? Json(*c.ours) : Json();
         comparisons.push_back(row);
     }

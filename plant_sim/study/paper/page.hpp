@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/study/paper/run.hpp"
 #include "rig_bridge/panel/page.hpp"
 
@@ -25,7 +26,8 @@ struct Compared {
 [[nodiscard]] double value_at(std::string_view json, std::string_view path);
 
 /// In the order of the contents.
-[[nodiscard]] std::vector<Compared> compared(const std::vector<SectionResult>& results);
+[[nodiscard]] std::vector<Compared> compared(const std::vector<SectionResult>& results,
+                                             const std::filesystem::path& config = settings::config_directory());
 
 struct PageHead {
     std::string version;

@@ -30,7 +30,7 @@ function csvOf(chart, rows, bars) {
 
 function lookOf(series) {
   const look = { strokeWidth: series.style === 'points' ? 0 : series.width };
-  if (series.style === 'points') Object.assign(look, { drawPoints: true, pointSize: series.x.length > 200 ? 1.5 : 4 });
+  if (series.style === 'points') Object.assign(look, { drawPoints: true, pointSize: series.x.length > 80 ? 1.5 : 4 });
   if (series.notes) {
     const notes = new Map(series.x.map((x, k) => [x, series.notes[k]]));
     look.drawPoints = true;
@@ -44,7 +44,8 @@ function lookOf(series) {
 }
 
 function drawFigure(figure) {
-  const data = JSON.parse(figure.querySelector('script').textContent), grid = make('div', undefined, { class: data.columns > 1 ? 'charts two' : 'charts' });
+  const data = JSON.parse(figure.querySelector('script').textContent);
+  const grid = make('div', undefined, { class: data.columns > 1 ? 'charts two' : 'charts' });
   figure.prepend(grid);
   figure.classList.add('live');
   const some = data.charts.map(c => c.series.some(s => s.low));
@@ -52,10 +53,11 @@ function drawFigure(figure) {
   data.charts.forEach((chart, at) => {
     chart.series.forEach(s => { if (!Array.isArray(s.x)) s.x = chart.series[s.x].x; });
     const rows = rowsOf(chart, some[at]), many = chart.series.length > 10, made = charts.all[at];
-    const series = chart.series.map(s => ({ label: s.name, color: s.color, dashed: s.style === 'dashes', hidden: !s.legend || !s.name,
-      look: lookOf(s) }));
+    const series = chart.series.map(s => ({ label: s.name, color: s.color, dashed: s.style === 'dashes', dot: s.style === 'points',
+      hidden: !s.legend || !s.name, look: lookOf(s) }));
     charts.draw(made, series, rows, {
-      dateWindow: chart.x_range, valueRange: chart.y_range, xlabel: chart.x, axes: { x: { logscale: chart.log_x } }, xRangePad: chart.x_range ? 0 : 8,
+      dateWindow: chart.x_range, valueRange: chart.y_range, xlabel: chart.x, xLabelHeight: 16, rightGap: chart.series.some(s => s.notes) ? 28 : 5,
+      axes: { x: { logscale: chart.log_x } }, xRangePad: chart.x_range ? 0 : 8,
       highlightSeriesOpts: many ? { strokeWidth: 3 } : null,
       underlayCallback: (context, area, graph) => {
         context.fillStyle = '#555';

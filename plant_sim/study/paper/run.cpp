@@ -89,6 +89,8 @@ int spawned(const fs::path& program, std::vector<std::string> words, const fs::p
 
 void run_section(SectionResult& result, const RunOptions& options) {
     const Section& section = *result.section;
+    if (const std::size_t from = section.html.find("<svg"); from != std::string::npos)
+        std::ofstream(result.directory / (section.id + ".svg")) << section.html.substr(from, section.html.find("</svg>", from) + 6 - from);
     const bool quick = options.quick && !section.quick_commands.empty();
     const std::vector<std::string>& lines = quick ? section.quick_commands : section.commands;
     for (std::size_t i = 0; i < lines.size(); ++i) {

@@ -41,7 +41,7 @@ Comparison comparison(const Table& t) {
             .unit = t.find_text("unit").value_or(""),
             .source = t.text("source"),
             .relation = t.find_text("relation").value_or(""),
-            .printed = t.number("paper"),
+            .printed = t.find_number("paper"),
             .file = t.text("file"),
             .at = t.text("at"),
             .decimals = t.find_integer<int>("decimals", {.min = 0, .max = 9}).value_or(3)};

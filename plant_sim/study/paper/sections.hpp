@@ -18,12 +18,12 @@ struct Picture {
 /// One row of the comparison with the paper.
 struct Comparison {
     std::string quantity;
-    std::string unit;      ///< empty: none
-    std::string source;    ///< where the paper has it
-    std::string relation;  ///< ahead of the paper's number, e.g. "at least"; empty: it is that number
-    double printed = 0.0;  ///< the paper's
-    std::string file;      ///< JSON in the section's directory
-    std::string at;        ///< where in it, see value_at()
+    std::string unit;               ///< empty: none
+    std::string source;             ///< where the paper has it
+    std::string relation;           ///< ahead of the paper's number, e.g. "at least"; empty: it is that number
+    std::optional<double> printed;  ///< the paper's; none: it keeps it to itself
+    std::string file;               ///< JSON in the section's directory, or TOML; {config}/ ahead: of the configuration
+    std::string at;                 ///< where in it, see value_at()
     int decimals = 3;
 };
 
@@ -31,7 +31,7 @@ struct Section {
     std::string id;  ///< name of its directory: letters, digits, _ and -
     std::string title;
     std::string text;                         ///< paragraphs, empty lines between
-    std::string html;                         ///< as it is, below the text
+    std::string html;                         ///< as it is, below the text; its <svg> is kept beside the page, too
     std::string after;                        ///< id of the section whose results it uses; empty: none
     std::vector<std::string> commands;        ///< with {here}, {out} and {config} for paths
     std::vector<std::string> quick_commands;  ///< of the fast form; empty: the same
