@@ -56,7 +56,8 @@ void run_gnuplot(const std::filesystem::path& png, int width, int height, const 
     std::string all;
     for (const auto& [picture, terminal] : pictures)
         all += fmt::format(
-            "reset\nset terminal {} size {},{} font 'sans,11' enhanced\nset output {}\nset grid lc rgb '#dddddd'\nset border lc rgb '#555555'\n{}\n"
+            "reset\nset terminal {} size {},{} font 'sans,11' enhanced\nset output {}\nset grid xtics ytics lt 1 lw 0.8 lc rgb '#d0d7de'\nset border "
+            "lc rgb '#555555'\n{}\n"
             "set output\n",
             terminal, width, height, gnuplot_quoted(aside(picture).string()), commands);
     std::FILE* gnuplot = ::popen(("gnuplot >" + shell_quoted(says.string()) + " 2>&1").c_str(), "w");

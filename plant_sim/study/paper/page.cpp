@@ -57,7 +57,8 @@ std::string if_there(const fs::path& file) {
 /// The picture, and what a chart is drawn from, or a table to take away.
 std::string figure(const Picture& picture, const SectionResult& result) {
     const fs::path file = result.directory / picture.file;
-    const std::string name = fmt::format("{}-{}", result.section->id, file.stem().string());
+    std::string name = result.section->id + "-" + fs::path(picture.file).replace_extension().string();
+    std::replace(name.begin(), name.end(), '/', '-');
     std::string parts;
     std::string link;
     try {
