@@ -66,7 +66,7 @@ LabVerb stop_verb(CLI::App& lab) {
     stop->scenario.brake.add_to(*verb);
     settings::add_json(*verb, stop->json, "result");
     verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output")->type_name("FILE");
-    verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG)")->type_name("FILE");
+    verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG), as SVG and data beside it, too")->type_name("FILE");
     verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them")->type_name("FILE");
     verb->footer(
         "Examples:\n"

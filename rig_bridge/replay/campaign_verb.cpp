@@ -2,11 +2,13 @@
 
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
@@ -105,11 +107,12 @@ struct CampaignCommand {
     }
 
     void draw(const CampaignTable& table) const {
-        pictures::run_gnuplot(picture, 1000, 600,
-                              "set datafile separator ','\nset key off\n"
-                              "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n" +
-                                  pictures::gnuplot_block("data", to_csv(table)) +
-                                  "plot $data using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 ps 0.6 lc rgb '#1f4e79'\n");
+        pictures::Series points{.style = pictures::Style::points, .colour = pictures::blue};
+        for (const CampaignRow& row : table.rows)
+            if (row.counted) points.add(row.disc_energy_J * 1e-6, row.summary.figures.mean_friction);
+        pictures::draw(
+            {.charts = {{.y_label = "mean friction", .x_label = "brake energy of this brake and disc (MJ)", .series = {std::move(points)}}}},
+            picture);
     }
 };
 
@@ -131,7 +134,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
     verb->add_option("--rebuild", c->rebuilt,
                      "write a new ledger from the folders, amendments of the old one with it; keep it beside the campaign's folder")
         ->type_name("FILE");
-    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)")->type_name("FILE");
+    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG), as SVG and data beside it, too")->type_name("FILE");
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The report in its quick form, in headless Chromium: every picture decodes, nothing is fetched, charts zoom and show values, their data downloads, it
-fits on small screens and prints. [STUDY-185]
+"""The report in its quick form, in headless Chromium: every picture decodes, nothing is fetched, charts zoom and show values, their data
+downloads, it fits on small screens and prints. [STUDY-185]
 
     report_in_browser.py RIG_LAB RIG_REPLAY
 

@@ -34,11 +34,12 @@ with tempfile.TemporaryDirectory() as scratch:
     assert all(status == 0 for status, _, _ in moved.values()), moved
     assert len({text.splitlines()[-1] for _, text, _ in moved.values()}) == 2
 
-    # A picture is one file: the table is that of --trajectory.
+    # A picture leaves no table: that is --trajectory's.
     alone = pathlib.Path(scratch, "picture")
     alone.mkdir()
     status, text, err = run(LAB, "stop", "--runway", WET, "--picture", alone / "stop.png")
-    assert status == 0 and [f.name for f in alone.iterdir()] == ["stop.png"], (status, err, list(alone.iterdir()))
+    left = sorted(f.name for f in alone.iterdir())
+    assert status == 0 and left == ["stop.charts.json", "stop.png", "stop.svg"], (status, err, left)
 
     bad = pathlib.Path(scratch, "bad.toml")
     bad.write_text("[[patch]]\nfrom_m = 0\nsurface = \"grass\"\n")
