@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 
-#include "firmware/host/settings/input_file.hpp"
 #include "firmware/host/settings/settings.hpp"
 
 namespace paper {
@@ -47,7 +46,7 @@ Comparison comparison(const Table& t) {
             .decimals = t.find_integer<int>("decimals", {.min = 0, .max = 9}).value_or(3)};
 }
 
-Section section(const Table& t, const std::vector<Section>& earlier, const std::filesystem::path& directory) {
+Section section(const Table& t, const std::vector<Section>& earlier) {
     Section s;
     s.id = t.text("id");
     if (!is_name(s.id)) t.fail("id", "names a directory: letters, digits, _ and - only");
@@ -58,7 +57,7 @@ Section section(const Table& t, const std::vector<Section>& earlier, const std::
     s.after = t.find_text("after").value_or("");
     if (!s.after.empty() && std::none_of(earlier.begin(), earlier.end(), is(s.after)))
         t.fail("after", "'" + s.after + "' is no section above this one");
-    if (const auto file = t.find_text("html")) s.html = settings::read_file(directory / *file);
+    s.html = t.find_text("html").value_or("");
     s.commands = lines_of(s.html.empty() ? t.text("commands") : t.find_text("commands").value_or(""));
     if (s.commands.empty() && (s.html.empty() || !s.after.empty() || !t.tables("picture", {.min = 0}).empty()))
         t.fail("commands", "has no command; one a line");
@@ -79,7 +78,7 @@ Contents load_contents(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const Table root = doc.root();
     Contents contents{.title = root.text("title"), .text = root.find_text("text").value_or(""), .sections = {}};
-    for (const Table& t : root.tables("section")) contents.sections.push_back(section(t, contents.sections, file.parent_path()));
+    for (const Table& t : root.tables("section")) contents.sections.push_back(section(t, contents.sections));
     doc.finish();
     return contents;
 }
