@@ -103,10 +103,10 @@ std::string plotted(const std::string& name, const Series& s) {
     std::string out;
     if (!s.low.empty()) out += fmt::format("${} using 1:3:4 with filledcurves fs solid 0.25 noborder {} notitle, ", name, colour);
     if (s.style == Style::points) {
-        constexpr std::size_t kMany = 200;
+        constexpr std::size_t kMany = 20;
         const int kind = std::array{7, 5, 9, 13, 11, 15, 4}.at(s.colour % 7);
         out += fmt::format("${0} using 1:2 with points pt {1} ps {2} {3} notitle, keyentry with points pt {1} ps 1 {3} {4}", name, kind,
-                           s.x.size() > kMany ? 0.35 : 0.9, colour, title);
+                           s.x.size() > kMany ? 0.45 : 0.9, colour, title);
     } else {
         out += fmt::format("${} using 1:2 with lines lw {} {} {} {}", name, s.width, s.style == Style::dashes ? "dt 2" : "dt 1", colour, title);
     }

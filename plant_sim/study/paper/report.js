@@ -30,7 +30,7 @@ function csvOf(chart, rows, bars) {
 
 function lookOf(series) {
   const look = { strokeWidth: series.style === 'points' ? 0 : series.width };
-  if (series.style === 'points') Object.assign(look, { drawPoints: true, pointSize: series.x.length > 80 ? 1.5 : 4 });
+  if (series.style === 'points') Object.assign(look, { drawPoints: true, pointSize: series.x.length > 20 ? 1.5 : 4 });
   if (series.notes) {
     const notes = new Map(series.x.map((x, k) => [x, series.notes[k]]));
     look.drawPoints = true;
