@@ -10,6 +10,7 @@
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/seconds.hpp"
 #include "plant_sim/python/bus_log.hpp"
+#include "plant_sim/python/ledger.hpp"
 #include "plant_sim/python/rig_loop.hpp"
 #include "plant_sim/python/scenario.hpp"
 
@@ -83,6 +84,16 @@ void bind_controller(py::module_& m) {
             py::arg("sensors"), py::arg("now_s"));
 }
 
+void bind_ledger(py::module_& m) {
+    py::class_<Ledger>(m, "Ledger")
+        .def(py::init<const std::filesystem::path&, const std::string&>(), py::arg("where"), py::arg("campaign") = "")
+        .def_property_readonly("campaign", &Ledger::campaign)
+        .def_property_readonly("file", &Ledger::file)
+        .def("rows", &Ledger::rows)
+        .def("data_frame", &Ledger::data_frame)
+        .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false);
+}
+
 }  // namespace
 
 }  // namespace plant_sim::python
@@ -92,6 +103,7 @@ PYBIND11_MODULE(_native, m) {
     plant_sim::python::bind_scenario(m);
     plant_sim::python::bind_rig(m);
     plant_sim::python::bind_controller(m);
+    plant_sim::python::bind_ledger(m);
     m.def(
         "read_log",
         [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,

@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "plant_sim/python/arrays.hpp"
 #include "plant_sim/study/run_many.hpp"
 
 namespace plant_sim::python {
@@ -87,8 +88,7 @@ class Columns {
     }
     [[nodiscard]] py::dict arrays() const {
         py::dict out;
-        for (std::size_t i = 0; i < kNames.size(); ++i)
-            out[kNames[i]] = py::array_t<double>(static_cast<py::ssize_t>(values_[i].size()), values_[i].data());
+        for (std::size_t i = 0; i < kNames.size(); ++i) out[kNames[i]] = column(values_[i]);
         return out;
     }
 
@@ -177,12 +177,8 @@ py::dict Scenario::stops(const std::vector<double>& slip, const std::vector<std:
         study::run_many(inputs_.layout, slip.size(), make, done, {.threads = threads});
     }
     py::dict out;
-    out["slip_reference"] = py::array_t<double>(static_cast<py::ssize_t>(slip.size()), slip.data());
-    for (const Figure& figure : kFigures) {
-        py::array_t<double> column(static_cast<py::ssize_t>(results.size()));
-        std::transform(results.begin(), results.end(), column.mutable_data(), figure.of);
-        out[figure.name] = column;
-    }
+    out["slip_reference"] = column(slip);
+    for (const Figure& figure : kFigures) out[figure.name] = column(results, figure.of);
     return out;
 }
 

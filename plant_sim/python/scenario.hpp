@@ -1,7 +1,6 @@
 /// One maneuver as Python sees it: read and checked once, run as often as one likes.
 #pragma once
 
-#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <memory>

@@ -1,13 +1,16 @@
 """The anti-skid controller and its virtual rig. Names carry their units; what is wrong in a configuration is an error that names file, line and key."""
 from os import PathLike
+from pathlib import Path
 from typing import Any, Sequence, TypedDict
 
 from numpy import float64
 from numpy.typing import NDArray
+from pandas import DataFrame
 from typing_extensions import Unpack
 
 __version__: str
 Column = NDArray[float64]
+Table = dict[str, NDArray[Any]]  # numbers, bools, or text as objects: pandas.DataFrame() takes it as it is
 
 class Keywords(TypedDict, total=False):
     """Those of `rig-lab stop`."""
@@ -41,6 +44,24 @@ def read_log(
     interface: str | None = None,
 ) -> dict[str, Column]:
     """The samples of a log (candump, Vector ASC or BLF, PEAK TRC): the columns of `rig-replay export`. `scenario` says teeth and radii."""
+
+class Ledger:
+    """A campaign's ledger, read only: a bridge may be writing it meanwhile, or hold it."""
+
+    def __init__(self, where: str | PathLike[str], campaign: str = "") -> None:
+        """`where`: campaign.sqlite or its directory. `campaign` may be left out where there is one only."""
+    @property
+    def campaign(self) -> str: ...
+    @property
+    def file(self) -> Path: ...
+    def rows(self) -> Table:
+        """Every attempt, oldest first, amended and noted, as it is now: number, attempt, state, outcome, started, slip_reference, cumulative_energy_J,
+        counted_J, figures as in summary.json, disc_energy_J, serial numbers, faults, warnings, health, ... What is not known is nan or empty."""
+    def data_frame(self) -> DataFrame:
+        """Of rows(). Needs pandas."""
+    def wear(self, *, out_of_tolerance: bool = False) -> tuple[Column, Column]:
+        """Cumulative energy in J and mean friction of every maneuver that `rig-lab wear fit` learns from: finished, within tolerance, of the newest
+        brake and disc."""
 
 class Scenario:
     """A maneuver, read and checked once. Other threads run while one of its stops does."""
