@@ -13,6 +13,7 @@
 #include "plant_sim/python/ledger.hpp"
 #include "plant_sim/python/rig_loop.hpp"
 #include "plant_sim/python/scenario.hpp"
+#include "plant_sim/python/wear.hpp"
 
 namespace plant_sim::python {
 
@@ -94,6 +95,44 @@ void bind_ledger(py::module_& m) {
         .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false);
 }
 
+using Numbers = std::vector<double>;
+
+void bind_wear(py::module_& m) {
+    const wear::FitSettings fit;
+    m.def(
+        "fit_wear",
+        [](Numbers energy_J, Numbers friction, std::size_t components, int starts, std::uint64_t seed, double floor, std::string source,
+           std::string origin, unsigned threads) {
+            wear::FitSettings settings{.max_components = components, .starts = starts, .seed = seed, .em = {}};
+            settings.em.covariance_floor = floor;
+            return fit_wear({std::move(energy_J), std::move(friction), std::move(source), std::move(origin)}, settings, threads);
+        },
+        py::arg("energy_J"), py::arg("friction"), py::kw_only(), py::arg("components") = fit.max_components, py::arg("starts") = fit.starts,
+        py::arg("seed") = fit.seed, py::arg("floor") = fit.em.covariance_floor, py::arg("source") = "arrays", py::arg("origin") = "",
+        py::arg("threads") = 0);
+    const wear::ForecastRequest ask;
+    m.def(
+        "landings_left",
+        [](Numbers energy_J, Numbers friction, const std::filesystem::path& population, std::optional<double> limit, std::string mix, double slip,
+           std::optional<double> energy_MJ, std::size_t last, std::string method, int horizon, int draws, std::uint64_t seed,
+           std::optional<std::filesystem::path> config) {
+            const wear::ForecastRequest request{.config = config ? *config : settings::config_directory(),
+                                                .limit = limit,
+                                                .mix = std::move(mix),
+                                                .slip = slip,
+                                                .energy_MJ = energy_MJ,
+                                                .last = last,
+                                                .method = std::move(method),
+                                                .horizon = horizon,
+                                                .draws = draws,
+                                                .seed = seed};
+            return landings_left({std::move(energy_J), std::move(friction), "arrays", {}}, population, request);
+        },
+        py::arg("energy_J"), py::arg("friction"), py::arg("population"), py::kw_only(), py::arg("limit") = py::none(), py::arg("mix") = ask.mix,
+        py::arg("slip") = ask.slip, py::arg("energy_MJ") = py::none(), py::arg("last") = ask.last, py::arg("method") = ask.method,
+        py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("config") = py::none());
+}
+
 }  // namespace
 
 }  // namespace plant_sim::python
@@ -104,6 +143,7 @@ PYBIND11_MODULE(_native, m) {
     plant_sim::python::bind_rig(m);
     plant_sim::python::bind_controller(m);
     plant_sim::python::bind_ledger(m);
+    plant_sim::python::bind_wear(m);
     m.def(
         "read_log",
         [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "plant_sim/lab/campaign_options.hpp"
-#include "plant_sim/lab/landing_mix.hpp"
+#include "plant_sim/wear/landing_mix.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "tests/catch.hpp"
 
@@ -142,7 +142,7 @@ TEST_CASE("nobody's brake is judged by made-up ones unless that is asked for", "
 
 TEST_CASE("a landing's energy and the torque reserve are those of the configuration", "[WEAR-050]") {
     // By hand: light 2800 kg at 49 m/s, medium_a 3150 at 52, medium_b 3300 at 53, 76 % to the brake, an eighth on the model's axis.
-    const plant_sim::lab::ConfiguredMix c = plant_sim::lab::configured_mix("config", "light=1,medium=3", 0.24);
+    const wear::ConfiguredMix c = wear::configured_mix("config", "light=1,medium=3", 0.24);
     REQUIRE(c.mix.size() == 3);
     CHECK(c.mix[0].name == "light");
     CHECK(c.mix[0].share == Approx(0.25));
@@ -150,13 +150,13 @@ TEST_CASE("a landing's energy and the torque reserve are those of the configurat
     CHECK(c.mix[2].name == "medium_b");
     CHECK(c.mix[2].share == Approx(0.375));
     CHECK(c.mix[2].energy_J == Approx(0.5 * 3300.0 * 53.0 * 53.0 * 0.76 / 8.0));
-    CHECK_THROWS_WITH(plant_sim::lab::configured_mix("config", "lihgt=1", 0.24), ContainsSubstring("no maneuver 'lihgt'"));
-    CHECK_THROWS_WITH(plant_sim::lab::configured_mix("config", "light", 0.24), ContainsSubstring("is no share"));
-    CHECK_THROWS_WITH(plant_sim::lab::configured_mix("config", "light=-1", 0.24), ContainsSubstring("is no share"));
+    CHECK_THROWS_WITH(wear::configured_mix("config", "lihgt=1", 0.24), ContainsSubstring("no maneuver 'lihgt'"));
+    CHECK_THROWS_WITH(wear::configured_mix("config", "light", 0.24), ContainsSubstring("is no share"));
+    CHECK_THROWS_WITH(wear::configured_mix("config", "light=-1", 0.24), ContainsSubstring("is no share"));
 
     // Heavy: 4450 kg. At the limit the torque at the speed named is that of full pressure, by the heavy curve of landing_gear.toml shifted to the
     // mean, and a dry runway's 1.17 F_z r.
-    const plant_sim::lab::ReserveLimit r = plant_sim::lab::reserve_limit("config");
+    const wear::ReserveLimit r = wear::reserve_limit("config");
     const double v = r.speed_mps;
     const double F_z = 4450.0 * 9.80665 - 0.5 * 1.225 * 5.9 * v * v;
     const double wanted_Nm = 1.170 * F_z * (0.335 - F_z / 2.7e6);

@@ -1,7 +1,7 @@
 """The anti-skid controller and its virtual rig, from Python. `__init__.pyi` is the manual; names carry their units."""
-from ._native import Command, Controller, Ledger, Rig, Scenario, Sensors, __version__, read_log
+from ._native import Command, Controller, Ledger, Rig, Scenario, Sensors, __version__, fit_wear, landings_left, read_log
 
-__all__ = ["Command", "Controller", "Ledger", "Rig", "Scenario", "Sensors", "read_log", "stop"]
+__all__ = ["Command", "Controller", "Ledger", "Rig", "Scenario", "Sensors", "fit_wear", "landings_left", "read_log", "stop"]
 
 
 def stop(**keywords):

@@ -45,6 +45,43 @@ def read_log(
 ) -> dict[str, Column]:
     """The samples of a log (candump, Vector ASC or BLF, PEAK TRC): the columns of `rig-replay export`. `scenario` says teeth and radii."""
 
+def fit_wear(
+    energy_J: Sequence[float] | Column,
+    friction: Sequence[float] | Column,
+    *,
+    components: int = 15,
+    starts: int = 100,
+    seed: int = 1,
+    floor: float = 1e-4,
+    source: str = "arrays",
+    origin: str = "",
+    threads: int = 0,
+) -> dict[str, Any]:
+    """Gaussian mixtures of eq. (10) to (13) on a campaign's cumulative energy and mean friction, as `rig-lab wear fit`: its model.json. What
+    json.dump() writes of it is a model for `rig-lab wear` and landings_left(). `components`: the most that are tried; `origin`: 'measured ...' or
+    'made up ...'; `threads`: 0 for all cores, the model is the same. Ctrl-C ends it."""
+
+def landings_left(
+    energy_J: Sequence[float] | Column,
+    friction: Sequence[float] | Column,
+    population: str | PathLike[str],
+    *,
+    limit: float | None = None,
+    mix: str = "",
+    slip: float = 0.24,
+    energy_MJ: float | None = None,
+    last: int = 0,
+    method: str = "shipped",
+    horizon: int = 5000,
+    draws: int = 2000,
+    seed: int = 1,
+    config: str | PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """Landings until the brake's mean friction is below `limit` (None: where its torque reserve is gone), as `rig-lab wear forecast`: its
+    forecast.json with `landings_left` and `crossing_J` at 10, 50 and 90 %, and `provenance`, which says by which brakes. `population`:
+    population.json of `rig-lab wear population` or a model of fit_wear(). Landings to come: `mix` such as 'light=0.5,heavy=0.5' held at `slip`, or
+    `energy_MJ` each, or as the newest 100 were."""
+
 class Ledger:
     """A campaign's ledger, read only: a bridge may be writing it meanwhile, or hold it."""
 
@@ -55,8 +92,9 @@ class Ledger:
     @property
     def file(self) -> Path: ...
     def rows(self) -> Table:
-        """Every attempt, oldest first, amended and noted, as it is now: number, attempt, state, outcome, started, slip_reference, cumulative_energy_J,
-        counted_J, figures as in summary.json, disc_energy_J, serial numbers, faults, warnings, health, ... What is not known is nan or empty."""
+        """Every attempt, oldest first, amended and noted, as it is now: number, attempt, state, outcome, started, slip_reference,
+        cumulative_energy_J, counted_J, figures as in summary.json, disc_energy_J, serial numbers, faults, warnings, health, ... What is not known
+        is nan or empty."""
     def data_frame(self) -> DataFrame:
         """Of rows(). Needs pandas."""
     def wear(self, *, out_of_tolerance: bool = False) -> tuple[Column, Column]:
