@@ -13,6 +13,7 @@
 #include "plant_sim/python/ledger.hpp"
 #include "plant_sim/python/rig_loop.hpp"
 #include "plant_sim/python/scenario.hpp"
+#include "plant_sim/python/studies.hpp"
 #include "plant_sim/python/wear.hpp"
 
 namespace plant_sim::python {
@@ -34,6 +35,7 @@ void bind_scenario(py::module_& m) {
         .def("stop", &Scenario::stop)
         .def("recorded_stop", &Scenario::recorded_stop)
         .def("stops", &Scenario::stops, py::arg("slip"), py::arg("seed") = std::vector<std::uint64_t>{}, py::arg("threads") = 1)
+        .def("drive", &Scenario::drive, py::arg("time_s"), py::kw_only(), py::arg("pressure_Pa") = py::none(), py::arg("current_mA") = py::none())
         .def("rig", [](const std::shared_ptr<Scenario>& scenario) { return std::make_unique<RigLoop>(scenario); })
         .def("controller", [](const Scenario& scenario) { return Controller(scenario.inputs().controller); });
 }
@@ -96,6 +98,7 @@ void bind_ledger(py::module_& m) {
 }
 
 using Numbers = std::vector<double>;
+using Directory = std::optional<std::filesystem::path>;
 
 void bind_wear(py::module_& m) {
     const wear::FitSettings fit;
@@ -115,7 +118,7 @@ void bind_wear(py::module_& m) {
         "landings_left",
         [](Numbers energy_J, Numbers friction, const std::filesystem::path& population, std::optional<double> limit, std::string mix, double slip,
            std::optional<double> energy_MJ, std::size_t last, std::string method, int horizon, int draws, std::uint64_t seed,
-           std::optional<std::filesystem::path> config) {
+           const Directory& config) {
             const wear::ForecastRequest request{.config = config ? *config : settings::config_directory(),
                                                 .limit = limit,
                                                 .mix = std::move(mix),
@@ -133,6 +136,41 @@ void bind_wear(py::module_& m) {
         py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("config") = py::none());
 }
 
+/// The module's __init__.py makes Python's own of the two texts.
+void bind_studies(py::module_& m) {
+    const auto both = [](const StudyFiles& files) { return py::make_tuple(files.results, files.stops); };
+    const sweep::SweepPlanOptions swept;
+    m.def(
+        "sweep",
+        [both](const std::optional<Numbers>& references, std::size_t landings, bool threshold, std::uint64_t seed, const Directory& config,
+               unsigned threads) {
+            return both(sweep_study({.config = config ? *config : settings::config_directory(),
+                                     .references = references ? *references : sweep::paper_references(),
+                                     .landings = landings,
+                                     .threshold = threshold,
+                                     .seed = seed},
+                                    threads));
+        },
+        py::arg("references") = py::none(), py::kw_only(), py::arg("landings") = swept.landings, py::arg("threshold") = swept.threshold,
+        py::arg("seed") = swept.seed, py::arg("config") = py::none(), py::arg("threads") = 0);
+    const robust::RobustPlanOptions drawn;
+    m.def(
+        "robust",
+        [both](const std::vector<std::string>& families, const std::vector<std::string>& laws, std::size_t draws, std::uint64_t seed,
+               const std::filesystem::path& controller, const std::filesystem::path& ranges, const Directory& config, unsigned threads) {
+            return both(robust_study({.config = config ? *config : settings::config_directory(),
+                                      .controller = controller,
+                                      .ranges = ranges,
+                                      .families = families,
+                                      .laws = laws,
+                                      .draws = draws,
+                                      .seed = seed},
+                                     threads));
+        },
+        py::kw_only(), py::arg("families") = drawn.families, py::arg("laws") = drawn.laws, py::arg("draws") = drawn.draws,
+        py::arg("seed") = drawn.seed, py::arg("controller") = "", py::arg("ranges") = "", py::arg("config") = py::none(), py::arg("threads") = 0);
+}
+
 }  // namespace
 
 }  // namespace plant_sim::python
@@ -144,6 +182,7 @@ PYBIND11_MODULE(_native, m) {
     plant_sim::python::bind_controller(m);
     plant_sim::python::bind_ledger(m);
     plant_sim::python::bind_wear(m);
+    plant_sim::python::bind_studies(m);
     m.def(
         "read_log",
         [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "plant_sim/python/arrays.hpp"
+#include "plant_sim/study/drive.hpp"
 #include "plant_sim/study/run_many.hpp"
 
 namespace plant_sim::python {
@@ -179,6 +180,22 @@ py::dict Scenario::stops(const std::vector<double>& slip, const std::vector<std:
     py::dict out;
     out["slip_reference"] = column(slip);
     for (const Figure& figure : kFigures) out[figure.name] = column(results, figure.of);
+    return out;
+}
+
+py::dict Scenario::drive(const std::vector<double>& time_s, const std::optional<std::vector<double>>& pressure_Pa,
+                         const std::optional<std::vector<double>>& current_mA) const {
+    if (pressure_Pa.has_value() == current_mA.has_value()) throw std::invalid_argument("expected one of pressure_Pa and current_mA");
+    std::vector<study::DriveRow> rows;
+    {
+        const py::gil_scoped_release others_run;
+        const auto input = pressure_Pa ? study::DriveInput::pressure_Pa : study::DriveInput::current_mA;
+        study::drive(inputs_.plant.rig, study::profile_of("profile", input, time_s, pressure_Pa ? *pressure_Pa : *current_mA),
+                     [&rows](const study::DriveRow& row) { rows.push_back(row); });
+    }
+    py::dict out;
+    for (std::size_t i = 0; i < study::kDriveColumns.size(); ++i)
+        out[study::kDriveColumns.at(i)] = column(rows, [i](const study::DriveRow& row) { return row.at(i); });
     return out;
 }
 

@@ -34,6 +34,42 @@ class Keywords(TypedDict, total=False):
 def stop(**keywords: Unpack[Keywords]) -> dict[str, Any]:
     """One braking maneuver: figures as `rig-lab stop --json` has them."""
 
+def drive(
+    time_s: Sequence[float] | Column,
+    *,
+    pressure_Pa: Sequence[float] | Column | None = None,
+    current_mA: Sequence[float] | Column | None = None,
+    **keywords: Unpack[Keywords],
+) -> dict[str, Column]:
+    """Open loop, as `rig-lab drive`: the plant alone under a pressure or a current, linear between the times; a value each millisecond of time_s,
+    speed_mps, wheel_speed_radps, slip, pressure_Pa, brake_torque_Nm, F_x_N, F_z_N, radius_m, mu, energy_brake_J, energy_tyre_J."""
+
+def sweep(
+    references: Sequence[float] | Column | None = None,
+    *,
+    landings: int = 100,
+    threshold: bool = True,
+    seed: int = 1,
+    config: str | PathLike[str] | None = None,
+    threads: int = 0,
+) -> tuple[dict[str, Any], Table]:
+    """The set-point study of Section VI, as `rig-lab sweep`: its results.json, and the columns of its stops.csv. `references`: 0.06 to 0.50 in
+    hundredths by default; `threads`: 0 for all cores, the results are the same. Other threads run meanwhile; Ctrl-C ends it."""
+
+def robust(
+    *,
+    families: Sequence[str] = ...,
+    laws: Sequence[str] = ("slip", "threshold"),
+    draws: int = 140,
+    seed: int = 1,
+    controller: str | PathLike[str] = "",
+    ranges: str | PathLike[str] = "",
+    config: str | PathLike[str] | None = None,
+    threads: int = 0,
+) -> tuple[dict[str, Any], Table]:
+    """Stops on drawn plants and runways, as `rig-lab robust`: its results.json, and the columns of its stops.csv. Defaults are the verb's;
+    `controller`, `ranges`: files instead of those of `config`. `threads` and Ctrl-C as for sweep()."""
+
 def read_log(
     log: str | PathLike[str],
     *,
@@ -110,6 +146,14 @@ class Scenario:
         """Figures, and every control period: time_s, speed_mps, wheel_rim_speed_mps, slip, slip_reference, pressure_demand_Pa, pressure_Pa, ..."""
     def stops(self, slip: Sequence[float] | Column, seed: Sequence[int] = ..., threads: int = 1) -> dict[str, Column]:
         """A maneuver for each slip reference; one seed for all, or one for each. What does not apply is nan."""
+    def drive(
+        self,
+        time_s: Sequence[float] | Column,
+        *,
+        pressure_Pa: Sequence[float] | Column | None = None,
+        current_mA: Sequence[float] | Column | None = None,
+    ) -> dict[str, Column]:
+        """The plant alone, as drive()."""
     def rig(self) -> Rig:
         """A new rig before touchdown."""
     def controller(self) -> Controller:
