@@ -35,7 +35,10 @@ StudyFiles sweep_study(const sweep::SweepPlanOptions& options, unsigned threads)
             sweep::run(plan, study::team::order_of_work(plan.stops()), {.threads = threads_of(threads), .stop = &stop});
         if (rows.size() < plan.stops()) return StudyFiles{};
         const sweep::Identity identity = sweep::identity_of(plan);
-        return StudyFiles{.results = sweep::to_json(sweep::summarised(identity, rows)), .stops = sweep::to_csv(identity, rows)};
+        StudyFiles files;
+        files.results = sweep::to_json(sweep::summarised(identity, rows));
+        files.stops = sweep::to_csv(identity, rows);
+        return files;
     };
     return interruptible(study, [&] { stop = true; });
 }
@@ -47,7 +50,10 @@ StudyFiles robust_study(const robust::RobustPlanOptions& options, unsigned threa
         const robust::RobustPlan plan = robust::load_plan(options);
         const std::vector<robust::Row> rows = robust::run(plan, {.threads = threads_of(threads), .stop = &stop});
         if (rows.size() < plan.stops()) return StudyFiles{};
-        return StudyFiles{.results = robust::to_json(plan, rows, robust::summarise(plan, rows)), .stops = robust::to_csv(plan, rows)};
+        StudyFiles files;
+        files.results = robust::to_json(plan, rows, robust::summarise(plan, rows));
+        files.stops = robust::to_csv(plan, rows);
+        return files;
     };
     return interruptible(study, [&] { stop = true; });
 }
