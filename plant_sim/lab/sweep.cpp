@@ -49,8 +49,6 @@ std::vector<double> parse_references(const std::string& text) {
         values.push_back(value);
         at = end + 1;
     }
-    // Whole steps of 1e-6: the same numbers whichever way they were given.
-    const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6; };
     if (separator == ':') {
         if (values.size() != 3 || values[2] < 1e-4 || values[1] < values[0]) return reject();
         const double first = values[0];
@@ -59,11 +57,8 @@ std::vector<double> parse_references(const std::string& text) {
         values.clear();
         for (std::size_t i = 0; i <= steps; ++i) values.push_back(first + static_cast<double>(i) * step);
     }
-    std::transform(values.begin(), values.end(), values.begin(), rounded);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (values[i] < 0.01 || values[i] > 0.5 || (i > 0 && values[i] <= values[i - 1])) return reject();
-    }
-    return values;
+    const auto references = sweep::in_whole_steps(values);
+    return references ? *references : reject();
 }
 
 struct SweepCommand {

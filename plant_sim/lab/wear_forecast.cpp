@@ -9,18 +9,13 @@
 #include <optional>
 #include <stdexcept>
 
-#include "firmware/host/settings/config_directory.hpp"
-#include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/landing_mix.hpp"
+#include "plant_sim/lab/campaign_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
-#include "plant_sim/study/json_number.hpp"
 #include "plant_sim/wear/back_test.hpp"
-#include "rig_bridge/wear/json_object.hpp"
-#include "rig_bridge/wear/landings_forecast.hpp"
+#include "plant_sim/wear/forecast_request.hpp"
 
 namespace plant_sim::lab {
 
@@ -65,85 +60,39 @@ struct ForecastCommand {
     std::string campaign;
     OutOfTolerance off = OutOfTolerance::left_out;
     PopulationOptions model;
-    std::filesystem::path config = settings::config_directory();
-    std::optional<double> limit;
+    wear::ForecastRequest request;
     bool reserve = false;
-    std::string mix;
-    double slip = 0.24;
-    std::optional<double> energy_MJ;
-    std::size_t last = 0;
-    wear::ForecastSettings settings;
-    std::string method = "shipped";
     std::filesystem::path back_test;
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
-    int run() {
-        if (limit.has_value() == reserve) throw std::invalid_argument("say which limit: --limit MU or --reserve");
+    int run() const {
+        if (request.limit.has_value() == reserve) throw std::invalid_argument("say which limit: --limit MU or --reserve");
         const wear::PopulationFile file = model.read();
-        settings.limit = reserve ? reserve_friction() : *limit;
-        if (!back_test.empty()) return run_back_test(file);
+        const wear::ResolvedRequest resolved = wear::resolved(request);
+        if (const auto& r = resolved.reserve)
+            print_table(json_file,
+                        "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a heavy stop on dry asphalt can "
+                        "use at {:.0f} m/s.\n",
+                        r->friction, r->torque_Nm, r->speed_mps);
+        if (!back_test.empty()) return run_back_test(file, resolved);
         if (source.empty()) throw std::invalid_argument("SOURCE is missing: the brake's campaign so far");
-        return run_forecast(file);
+        return run_forecast(file, resolved);
     }
 
   private:
-    double reserve_friction() {
-        const ReserveLimit r = reserve_limit(config);
-        files_.insert(files_.end(), r.files.begin(), r.files.end());
-        print_table(json_file,
-                    "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a heavy stop on dry asphalt can use "
-                    "at {:.0f} m/s.\n",
-                    r.friction, r.torque_Nm, r.speed_mps);
-        return r.friction;
-    }
-
-    [[nodiscard]] wear::LandingMix landings_to_come(const wear::Campaign& recorded) {
-        constexpr std::size_t kNewest = 100;
-        if (energy_MJ) return {{"given", 1.0, *energy_MJ * 1e6, 0.0}};
-        if (mix.empty()) return wear::mix_of(recorded, kNewest);
-        const ConfiguredMix configured = configured_mix(config, mix, slip);
-        files_.insert(files_.end(), configured.files.begin(), configured.files.end());
-        return configured.mix;
-    }
-
-    int run_forecast(const wear::PopulationFile& file) {
+    [[nodiscard]] int run_forecast(const wear::PopulationFile& file, const wear::ResolvedRequest& resolved) const {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
-        const wear::LandingMix to_come = landings_to_come(recorded);
-        wear::LandingsForecast brake(file.population);
-        const std::size_t n = recorded.points.size();
-        for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) brake.learn(recorded.points[i]);
-        const wear::Forecast f =
-            method == "filter" ? wear::forecast(brake.filter(), recorded.points.back().c_e_J, to_come, settings) : brake.forecast(to_come, settings);
-        print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(f, settings, to_come));
-        Json json = head(file);
-        json["data_hash"] = wear::data_hash(recorded);
-        json["maneuvers"] = n;
-        json["cumulative_energy_J"] = f.c_e_J;
-        Json mix_json = Json::array();
-        for (const wear::LandingKind& kind : to_come)
-            mix_json.push_back({{"name", kind.name}, {"share", kind.share}, {"energy_J", kind.energy_J}, {"deviation_J", kind.deviation_J}});
-        json["landings_to_come"] = std::move(mix_json);
-        json["horizon"] = settings.horizon;
-        json["draws"] = settings.draws;
-        json["method"] = method;
-        json["of_their_kind"] = f.alike;
-        json["already_below"] = f.crossed_now;
-        json["below_within_horizon"] = f.crossed_ever;
-        json["extrapolated"] = f.extrapolated;
-        constexpr std::array kKeys{"10", "50", "90"};
-        for (std::size_t q = 0; q < kKeys.size(); ++q) {
-            json["mean_friction_now"][kKeys.at(q)] = f.friction_now.at(q);
-            json["landings_left"][kKeys.at(q)] = f.landings_left.at(q) ? Json(*f.landings_left.at(q)) : Json();
-            json["crossing_J"][kKeys.at(q)] = study::or_null(f.crossing_J.at(q));
-        }
-        keep_json(out / "forecast.json", json_file, json.dump(2) + "\n");
-        if (pictures) draw_forecast(recorded, f, settings.limit, out / "forecast.png");
+        const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
+        print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix));
+        keep_json(out / "forecast.json", json_file, answer.json.dump(2) + "\n");
+        if (pictures) draw_forecast(recorded, answer.forecast, resolved.settings.limit, out / "forecast.png");
         print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
         return 0;
     }
-    int run_back_test(const wear::PopulationFile& file) const {
+    int run_back_test(const wear::PopulationFile& file, const wear::ResolvedRequest& resolved) const {
+        const wear::ForecastSettings& settings = resolved.settings;
         const std::vector<wear::Campaign> campaigns = load_campaigns({back_test}, off);
         wear::FitSettings fit;
         fit.max_components = 8;
@@ -179,7 +128,7 @@ struct ForecastCommand {
         print_table(json_file, "By brakes {}.\n{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}",
                     file.population.provenance.sentence(), brakes.size(), table.text());
         if (without_end > 0) print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
-        Json json = head(file);
+        Json json = wear::json_head(resolved, file);
         json["brakes"] = brakes.size();
         json["rows"] = std::move(rows);
         keep_json(out / "back_test.json", json_file, json.dump(2) + "\n");
@@ -187,17 +136,6 @@ struct ForecastCommand {
         const double pooled = t.pooled.coverage();
         return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
     }
-    [[nodiscard]] Json head(const wear::PopulationFile& file) const {
-        Json json{{"version", ANTISKID_VERSION},
-                  {"seed", settings.seed},
-                  {"model_hash", file.hash},
-                  {"learnt_from", wear::json_of(file.population.provenance)},
-                  {"limit", settings.limit}};
-        if (!files_.empty()) json["config_hash"] = settings::hash(files_);
-        return json;
-    }
-
-    std::vector<std::filesystem::path> files_;  // of the configuration that went in
 };
 
 }  // namespace
@@ -210,25 +148,25 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, f->off);
     f->model.add_to(*verb);
-    auto* const limit = verb->add_option("--limit", f->limit, "mean friction")->check(CLI::Range(0.001, 1.5));
+    auto* const limit = verb->add_option("--limit", f->request.limit, "mean friction")->check(CLI::Range(0.001, 1.5));
     verb->add_flag("--reserve", f->reserve, "the limit is where full pressure no longer gives the torque that a heavy stop on dry asphalt can use")
         ->excludes(limit);
-    auto* const mix = verb->add_option("--mix", f->mix,
+    auto* const mix = verb->add_option("--mix", f->request.mix,
                                        "landings to come, by maneuvers of config/, e.g. light=0.5,medium=0.3,heavy=0.2; their brake energy over "
                                        "[brake.wear] energy_scale (default: as the newest 100 of the campaign)");
-    verb->add_option("--slip", f->slip, "that those landings are held at: the tyre's share of the energy")
+    verb->add_option("--slip", f->request.slip, "that those landings are held at: the tyre's share of the energy")
         ->check(CLI::Range(0.0, 0.99))
         ->capture_default_str();
-    verb->add_option("--energy", f->energy_MJ, "MJ of each landing to come, instead")->check(CLI::Range(1e-4, 1e3))->excludes(mix);
-    settings::one_of(
-        verb->add_option("--method", f->method, "shipped: filter, past lives and calibration; filter: what the brake's own friction says, alone"),
-        {"shipped", "filter"})
+    verb->add_option("--energy", f->request.energy_MJ, "MJ of each landing to come, instead")->check(CLI::Range(1e-4, 1e3))->excludes(mix);
+    settings::one_of(verb->add_option("--method", f->request.method,
+                                      "shipped: filter, past lives and calibration; filter: what the brake's own friction says, alone"),
+                     {"shipped", "filter"})
         ->capture_default_str();
-    verb->add_option("--last", f->last, "learn from the newest N maneuvers only; 0: all")->capture_default_str();
-    verb->add_option("--horizon", f->settings.horizon, "landings")->check(CLI::Range(1, 1'000'000))->capture_default_str();
-    verb->add_option("--draws", f->settings.draws, "possible futures")->check(CLI::Range(100, 1'000'000))->capture_default_str();
-    verb->add_option("--seed", f->settings.seed, "seed of every random draw")->capture_default_str();
-    settings::add_config_directory(*verb, f->config);
+    verb->add_option("--last", f->request.last, "learn from the newest N maneuvers only; 0: all")->capture_default_str();
+    verb->add_option("--horizon", f->request.horizon, "landings")->check(CLI::Range(1, 1'000'000))->capture_default_str();
+    verb->add_option("--draws", f->request.draws, "possible futures")->check(CLI::Range(100, 1'000'000))->capture_default_str();
+    verb->add_option("--seed", f->request.seed, "seed of every random draw")->capture_default_str();
+    settings::add_config_directory(*verb, f->request.config);
     settings::existing_directory(verb->add_option("--back-test", f->back_test,
                                                   "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
                                                   "against its end; status 0 when 70 to 90 % are held"));

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "firmware/host/settings/progress.hpp"
-#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/campaign_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/wear/learn_population.hpp"
 #include "rig_bridge/wear/on_threads.hpp"

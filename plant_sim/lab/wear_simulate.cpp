@@ -11,7 +11,7 @@
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/brake_options.hpp"
-#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/campaign_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/study/torque_replay.hpp"

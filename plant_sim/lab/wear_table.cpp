@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/campaign_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
 namespace plant_sim::lab {

@@ -1,12 +1,11 @@
 #include "plant_sim/python/bus_log.hpp"
 
-#include <pybind11/numpy.h>
-
 #include <vector>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "plant_sim/python/arrays.hpp"
 #include "rig_bridge/replay/measured_signals.hpp"
 #include "rig_bridge/replay/sample_table.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
@@ -55,8 +54,7 @@ py::dict read_log(const LogFiles& files) {
     for (const std::string& warning : log.warnings) PyErr_WarnEx(PyExc_RuntimeWarning, warning.c_str(), 1);
     if (PyErr_Occurred() != nullptr) throw py::error_already_set();
     py::dict out;
-    for (std::size_t i = 0; i < log.names.size(); ++i)
-        out[log.names[i].c_str()] = py::array_t<double>(static_cast<py::ssize_t>(log.columns[i].size()), log.columns[i].data());
+    for (std::size_t i = 0; i < log.names.size(); ++i) out[log.names[i].c_str()] = column(log.columns[i]);
     return out;
 }
 

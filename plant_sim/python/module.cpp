@@ -10,8 +10,11 @@
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/seconds.hpp"
 #include "plant_sim/python/bus_log.hpp"
+#include "plant_sim/python/ledger.hpp"
 #include "plant_sim/python/rig_loop.hpp"
 #include "plant_sim/python/scenario.hpp"
+#include "plant_sim/python/studies.hpp"
+#include "plant_sim/python/wear.hpp"
 
 namespace plant_sim::python {
 
@@ -32,6 +35,7 @@ void bind_scenario(py::module_& m) {
         .def("stop", &Scenario::stop)
         .def("recorded_stop", &Scenario::recorded_stop)
         .def("stops", &Scenario::stops, py::arg("slip"), py::arg("seed") = std::vector<std::uint64_t>{}, py::arg("threads") = 1)
+        .def("drive", &Scenario::drive, py::arg("time_s"), py::kw_only(), py::arg("pressure_Pa") = py::none(), py::arg("current_mA") = py::none())
         .def("rig", [](const std::shared_ptr<Scenario>& scenario) { return std::make_unique<RigLoop>(scenario); })
         .def("controller", [](const Scenario& scenario) { return Controller(scenario.inputs().controller); });
 }
@@ -83,6 +87,90 @@ void bind_controller(py::module_& m) {
             py::arg("sensors"), py::arg("now_s"));
 }
 
+void bind_ledger(py::module_& m) {
+    py::class_<Ledger>(m, "Ledger")
+        .def(py::init<const std::filesystem::path&, const std::string&>(), py::arg("where"), py::arg("campaign") = "")
+        .def_property_readonly("campaign", &Ledger::campaign)
+        .def_property_readonly("file", &Ledger::file)
+        .def("rows", &Ledger::rows)
+        .def("data_frame", &Ledger::data_frame)
+        .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false);
+}
+
+using Numbers = std::vector<double>;
+using Directory = std::optional<std::filesystem::path>;
+
+void bind_wear(py::module_& m) {
+    const wear::FitSettings fit;
+    m.def(
+        "fit_wear",
+        [](Numbers energy_J, Numbers friction, std::size_t components, int starts, std::uint64_t seed, double floor, std::string source,
+           std::string origin, unsigned threads) {
+            wear::FitSettings settings{.max_components = components, .starts = starts, .seed = seed, .em = {}};
+            settings.em.covariance_floor = floor;
+            return fit_wear({std::move(energy_J), std::move(friction), std::move(source), std::move(origin)}, settings, threads);
+        },
+        py::arg("energy_J"), py::arg("friction"), py::kw_only(), py::arg("components") = fit.max_components, py::arg("starts") = fit.starts,
+        py::arg("seed") = fit.seed, py::arg("floor") = fit.em.covariance_floor, py::arg("source") = "arrays", py::arg("origin") = "",
+        py::arg("threads") = 0);
+    const wear::ForecastRequest ask;
+    m.def(
+        "landings_left",
+        [](Numbers energy_J, Numbers friction, const std::filesystem::path& population, std::optional<double> limit, std::string mix, double slip,
+           std::optional<double> energy_MJ, std::size_t last, std::string method, int horizon, int draws, std::uint64_t seed,
+           const Directory& config) {
+            const wear::ForecastRequest request{.config = config ? *config : settings::config_directory(),
+                                                .limit = limit,
+                                                .mix = std::move(mix),
+                                                .slip = slip,
+                                                .energy_MJ = energy_MJ,
+                                                .last = last,
+                                                .method = std::move(method),
+                                                .horizon = horizon,
+                                                .draws = draws,
+                                                .seed = seed};
+            return landings_left({std::move(energy_J), std::move(friction), "arrays", {}}, population, request);
+        },
+        py::arg("energy_J"), py::arg("friction"), py::arg("population"), py::kw_only(), py::arg("limit") = py::none(), py::arg("mix") = ask.mix,
+        py::arg("slip") = ask.slip, py::arg("energy_MJ") = py::none(), py::arg("last") = ask.last, py::arg("method") = ask.method,
+        py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("config") = py::none());
+}
+
+/// The module's __init__.py makes Python's own of the two texts.
+void bind_studies(py::module_& m) {
+    const auto both = [](const StudyFiles& files) { return py::make_tuple(files.results, files.stops); };
+    const sweep::SweepPlanOptions swept;
+    m.def(
+        "sweep",
+        [both](const std::optional<Numbers>& references, std::size_t landings, bool threshold, std::uint64_t seed, const Directory& config,
+               unsigned threads) {
+            return both(sweep_study({.config = config ? *config : settings::config_directory(),
+                                     .references = references ? *references : sweep::paper_references(),
+                                     .landings = landings,
+                                     .threshold = threshold,
+                                     .seed = seed},
+                                    threads));
+        },
+        py::arg("references") = py::none(), py::kw_only(), py::arg("landings") = swept.landings, py::arg("threshold") = swept.threshold,
+        py::arg("seed") = swept.seed, py::arg("config") = py::none(), py::arg("threads") = 0);
+    const robust::RobustPlanOptions drawn;
+    m.def(
+        "robust",
+        [both](const std::vector<std::string>& families, const std::vector<std::string>& laws, std::size_t draws, std::uint64_t seed,
+               const std::filesystem::path& controller, const std::filesystem::path& ranges, const Directory& config, unsigned threads) {
+            return both(robust_study({.config = config ? *config : settings::config_directory(),
+                                      .controller = controller,
+                                      .ranges = ranges,
+                                      .families = families,
+                                      .laws = laws,
+                                      .draws = draws,
+                                      .seed = seed},
+                                     threads));
+        },
+        py::kw_only(), py::arg("families") = drawn.families, py::arg("laws") = drawn.laws, py::arg("draws") = drawn.draws,
+        py::arg("seed") = drawn.seed, py::arg("controller") = "", py::arg("ranges") = "", py::arg("config") = py::none(), py::arg("threads") = 0);
+}
+
 }  // namespace
 
 }  // namespace plant_sim::python
@@ -92,6 +180,9 @@ PYBIND11_MODULE(_native, m) {
     plant_sim::python::bind_scenario(m);
     plant_sim::python::bind_rig(m);
     plant_sim::python::bind_controller(m);
+    plant_sim::python::bind_ledger(m);
+    plant_sim::python::bind_wear(m);
+    plant_sim::python::bind_studies(m);
     m.def(
         "read_log",
         [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,

@@ -9,6 +9,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "plant_sim/python/arrays.hpp"
+#include "plant_sim/study/drive.hpp"
 #include "plant_sim/study/run_many.hpp"
 
 namespace plant_sim::python {
@@ -87,8 +89,7 @@ class Columns {
     }
     [[nodiscard]] py::dict arrays() const {
         py::dict out;
-        for (std::size_t i = 0; i < kNames.size(); ++i)
-            out[kNames[i]] = py::array_t<double>(static_cast<py::ssize_t>(values_[i].size()), values_[i].data());
+        for (std::size_t i = 0; i < kNames.size(); ++i) out[kNames[i]] = column(values_[i]);
         return out;
     }
 
@@ -177,12 +178,24 @@ py::dict Scenario::stops(const std::vector<double>& slip, const std::vector<std:
         study::run_many(inputs_.layout, slip.size(), make, done, {.threads = threads});
     }
     py::dict out;
-    out["slip_reference"] = py::array_t<double>(static_cast<py::ssize_t>(slip.size()), slip.data());
-    for (const Figure& figure : kFigures) {
-        py::array_t<double> column(static_cast<py::ssize_t>(results.size()));
-        std::transform(results.begin(), results.end(), column.mutable_data(), figure.of);
-        out[figure.name] = column;
+    out["slip_reference"] = column(slip);
+    for (const Figure& figure : kFigures) out[figure.name] = column(results, figure.of);
+    return out;
+}
+
+py::dict Scenario::drive(const std::vector<double>& time_s, const std::optional<std::vector<double>>& pressure_Pa,
+                         const std::optional<std::vector<double>>& current_mA) const {
+    if (pressure_Pa.has_value() == current_mA.has_value()) throw std::invalid_argument("expected one of pressure_Pa and current_mA");
+    std::vector<study::DriveRow> rows;
+    {
+        const py::gil_scoped_release others_run;
+        const auto input = pressure_Pa ? study::DriveInput::pressure_Pa : study::DriveInput::current_mA;
+        study::drive(inputs_.plant.rig, study::profile_of("profile", input, time_s, pressure_Pa ? *pressure_Pa : *current_mA),
+                     [&rows](const study::DriveRow& row) { rows.push_back(row); });
     }
+    py::dict out;
+    for (std::size_t i = 0; i < study::kDriveColumns.size(); ++i)
+        out[study::kDriveColumns.at(i)] = column(rows, [i](const study::DriveRow& row) { return row.at(i); });
     return out;
 }
 

@@ -1,10 +1,10 @@
 /// One maneuver as Python sees it: read and checked once, run as often as one likes.
 #pragma once
 
-#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +30,9 @@ class Scenario {
     [[nodiscard]] py::tuple recorded_stop() const;
     /// One maneuver for each reference, with that seed, side by side: an array of each figure. The same values as RigLoop gives.
     [[nodiscard]] py::dict stops(const std::vector<double>& slip, const std::vector<std::uint64_t>& seed, unsigned threads) const;
+    /// Open loop, as `rig-lab drive`: an array of each column. Exactly one of the two inputs.
+    [[nodiscard]] py::dict drive(const std::vector<double>& time_s, const std::optional<std::vector<double>>& pressure_Pa,
+                                 const std::optional<std::vector<double>>& current_mA) const;
 
   private:
     StopOptions options_;

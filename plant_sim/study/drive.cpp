@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdint>
 #include <string_view>
 
 #include "firmware/host/settings/error.hpp"
@@ -20,6 +22,23 @@ constexpr std::size_t kMaxBytes = 512U << 20U;
 constexpr double kMax_Pa = 100e6;
 constexpr double kMax_mA = 1000.0;
 
+void append(DriveProfile& profile, const std::string& name, unsigned line, double time_s, double value) {
+    const bool by_pressure = profile.input == DriveInput::pressure_Pa;
+    const double max = by_pressure ? kMax_Pa : kMax_mA;
+    if (!std::isfinite(time_s) || (!profile.time_s.empty() && !(time_s > profile.time_s.back())))
+        throw settings::Error(name, line, "", "time_s must increase from row to row");
+    if (!(value >= 0.0 && value <= max))
+        throw settings::Error(name, line, "", fmt::format("{} must be from 0 to {:g}", by_pressure ? "pressure_Pa" : "current_mA", max));
+    profile.time_s.push_back(time_s);
+    profile.value.push_back(value);
+}
+
+void check_length(const DriveProfile& profile, const std::string& name, unsigned line) {
+    if (profile.time_s.size() < 2) throw settings::Error(name, line, "", "needs two rows of numbers at least");
+    if (profile.time_s.back() - profile.time_s.front() > kLongest_s)
+        throw settings::Error(name, line, "", fmt::format("time_s: lasts longer than {:.0f} s", kLongest_s));
+}
+
 DriveProfile parse(const std::string& name, std::string_view csv) {
     const auto reject = [&name](unsigned line, const std::string& message) { throw settings::Error(name, line, "", message); };
     wear::CsvRows rows(csv);
@@ -30,20 +49,13 @@ DriveProfile parse(const std::string& name, std::string_view csv) {
         reject(rows.line(), fmt::format("header '{}'; expected time_s,pressure_Pa or time_s,current_mA", fmt::join(header, ",")));
     DriveProfile profile;
     profile.input = by_pressure ? DriveInput::pressure_Pa : DriveInput::current_mA;
-    const double max = by_pressure ? kMax_Pa : kMax_mA;
     while (rows.next()) {
         const unsigned line = rows.line();
         if (rows.fields().size() != 2) reject(line, "expected two columns");
-        const double time = wear::csv_number(name, line, "time_s", rows.fields().front());
-        const double value = wear::csv_number(name, line, header.back(), rows.fields().back());
-        if (!profile.time_s.empty() && !(time > profile.time_s.back())) reject(line, "time_s must increase from row to row");
-        if (value < 0.0 || value > max) reject(line, fmt::format("{} must be from 0 to {:g}", header.back(), max));
-        profile.time_s.push_back(time);
-        profile.value.push_back(value);
+        const double time_s = wear::csv_number(name, line, "time_s", rows.fields().front());
+        append(profile, name, line, time_s, wear::csv_number(name, line, header.back(), rows.fields().back()));
     }
-    if (profile.time_s.size() < 2) reject(rows.line(), "needs two rows of numbers at least");
-    if (profile.time_s.back() - profile.time_s.front() > kLongest_s)
-        reject(rows.line(), fmt::format("time_s: lasts longer than {:.0f} s", kLongest_s));
+    check_length(profile, name, rows.line());
     return profile;
 }
 
@@ -87,11 +99,11 @@ double advance_pressure(plant::Rig& rig, Cursor& cursor, double from_s, double t
     return pressure_Pa;
 }
 
-void append_row(settings::TextTable& csv, double time_s, const plant::Rig& rig) {
+DriveRow row_of(double time_s, const plant::Rig& rig) {
     const plant::WheelState& w = rig.wheel();
     const plant::Forces f = rig.forces();
-    csv.add(time_s, w.v_mps, w.omega_radps, f.slip, rig.pressure_Pa(), f.brake_torque_Nm, f.F_x_N, f.F_z_N, f.radius_m, f.mu, w.energy_brake_J,
-            w.energy_tyre_J);
+    return {time_s,  w.v_mps, w.omega_radps, f.slip, rig.pressure_Pa(), f.brake_torque_Nm,
+            f.F_x_N, f.F_z_N, f.radius_m,    f.mu,   w.energy_brake_J,  w.energy_tyre_J};
 }
 
 }  // namespace
@@ -100,7 +112,17 @@ DriveProfile read_profile(const std::filesystem::path& csv) {
     return parse(csv.string(), settings::read_file(csv, kMaxBytes));
 }
 
-std::string drive(const rig::RigParameters& parameters, const DriveProfile& profile) {
+DriveProfile profile_of(const std::string& name, DriveInput input, std::span<const double> time_s, std::span<const double> value) {
+    if (time_s.size() != value.size())
+        throw settings::Error(name, 0, "", fmt::format("{} times and {} values: expected one of each a row", time_s.size(), value.size()));
+    DriveProfile profile;
+    profile.input = input;
+    for (std::size_t i = 0; i < time_s.size(); ++i) append(profile, name, static_cast<unsigned>(i + 1), time_s[i], value[i]);
+    check_length(profile, name, static_cast<unsigned>(time_s.size()));
+    return profile;
+}
+
+void drive(const rig::RigParameters& parameters, const DriveProfile& profile, const std::function<void(const DriveRow&)>& on_row) {
     plant::Rig rig(parameters, kStep_s, 0);
     rig.start_rolling();
     Cursor cursor(profile);
@@ -108,10 +130,7 @@ std::string drive(const rig::RigParameters& parameters, const DriveProfile& prof
     const double end = profile.time_s.back();
     double value = cursor.at(start);
     if (profile.input == DriveInput::pressure_Pa) rig.start_pressure(value);
-    auto csv = settings::TextTable::csv(
-        "time_s:.6f|speed_mps:.9g|wheel_speed_radps:.9g|slip:.9g|pressure_Pa:.9g|brake_torque_Nm:.9g|F_x_N:.9g|F_z_N:.9g|radius_m:.9g|mu:.9g|energy_"
-        "brake_J:.9g|energy_tyre_J:.9g");
-    append_row(csv, start, rig);
+    on_row(row_of(start, rig));
     std::vector<plant::Rig::PressurePart> parts;
     for (std::int64_t step = 1; !rig.standstill(); ++step) {
         const double time = start + static_cast<double>(step) * kStep_s;
@@ -123,8 +142,17 @@ std::string drive(const rig::RigParameters& parameters, const DriveProfile& prof
             rig.advance_current(value, next);
             value = next;
         }
-        append_row(csv, time, rig);
+        on_row(row_of(time, rig));
     }
+}
+
+std::string drive(const rig::RigParameters& rig, const DriveProfile& profile) {
+    std::string columns = "time_s:.6f";
+    for (std::size_t i = 1; i < kDriveColumns.size(); ++i) columns += fmt::format("|{}:.9g", kDriveColumns.at(i));
+    auto csv = settings::TextTable::csv(columns);
+    drive(rig, profile, [&csv](const DriveRow& row) {
+        for (const double value : row) csv.add(value);
+    });
     return csv.text();
 }
 

@@ -1,7 +1,10 @@
 /// Open loop: the plant alone, driven by a pressure or current profile from a table (validation as in Section III.C, Fig. 5).
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,10 +25,18 @@ struct DriveProfile {
 /// a missing or unknown column, text, NaN, values below 0 or above 100 MPa or 1 A, time that does not increase, or more than an hour.
 [[nodiscard]] DriveProfile read_profile(const std::filesystem::path& csv);
 
-/// Drives the plant from the profile's first time, wheel rolling freely at the maneuver's speed, to the profile's end or standstill.
-/// Returns CSV: time_s,speed_mps,wheel_speed_radps,slip,pressure_Pa,brake_torque_Nm,F_x_N,F_z_N,radius_m,mu,energy_brake_J,energy_tyre_J,
-/// one row per step of 1 ms, the first at the start. Pressure acts as the table says also between two of these rows; a current is taken
-/// once per ms and linear in between.
+/// The same demands on rows that came another way; row i is said to be line i + 1 of `name`.
+[[nodiscard]] DriveProfile profile_of(const std::string& name, DriveInput input, std::span<const double> time_s, std::span<const double> value);
+
+inline constexpr std::array kDriveColumns{"time_s", "speed_mps", "wheel_speed_radps", "slip", "pressure_Pa",    "brake_torque_Nm",
+                                          "F_x_N",  "F_z_N",     "radius_m",          "mu",   "energy_brake_J", "energy_tyre_J"};
+using DriveRow = std::array<double, kDriveColumns.size()>;
+
+/// Drives the plant from the profile's first time, wheel rolling freely at the maneuver's speed, to the profile's end or standstill. A row per
+/// step of 1 ms, the first at the start. Pressure acts as the table says also between two of these rows; a current is taken once per ms and
+/// linear in between.
+void drive(const rig::RigParameters& rig, const DriveProfile& profile, const std::function<void(const DriveRow&)>& on_row);
+/// The same as CSV.
 [[nodiscard]] std::string drive(const rig::RigParameters& rig, const DriveProfile& profile);
 
 }  // namespace study

@@ -1,31 +1,19 @@
 #include <fmt/core.h>
-#include <fmt/format.h>
 
 #include <chrono>
 
-#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
+#include "rig_bridge/record/campaign_source.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/specimen.hpp"
 
 namespace rig::bridge {
 
-namespace {
-
-std::string chosen(const std::filesystem::path& file, const std::string& wanted) {
-    const std::vector<record::Campaign> all = record::read_campaigns(file);
-    if (!wanted.empty()) return wanted;
-    if (all.size() != 1) throw UsageError(fmt::format("{}: has {} campaigns; choose one with --campaign", file.string(), all.size()));
-    return all.front().name;
-}
-
-}  // namespace
-
 int amend_ledger(const AmendCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
-    const std::string campaign = chosen(file, command.campaign);
+    const std::string campaign = record::chosen_campaign(file, command.campaign);
     record::Ledger ledger(file);
     ledger.choose(campaign);
     const double before_J = ledger.cumulative_energy_J();
@@ -38,7 +26,7 @@ int amend_ledger(const AmendCommand& command) {
 
 int note_in_ledger(const NoteCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
-    const std::string campaign = chosen(file, command.campaign);
+    const std::string campaign = record::chosen_campaign(file, command.campaign);
     const std::string now = iso_8601(std::chrono::system_clock::now());
     record::Ledger ledger(file);
     ledger.choose(campaign);

@@ -1,5 +1,4 @@
-#include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/landing_mix.hpp"
+#include "rig_bridge/record/campaign_source.hpp"
 
 #include <unistd.h>
 
@@ -7,6 +6,8 @@
 #include <fstream>
 #include <string>
 
+#include "plant_sim/lab/campaign_options.hpp"
+#include "plant_sim/wear/landing_mix.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "tests/catch.hpp"
 
@@ -65,20 +66,20 @@ TEST_CASE("a ledger is a campaign", "[WEAR-001]") {
         enter(ledger, "first", 2, "finished", 2.4e6, 0.30);
         enter(ledger, "first", 3, "finished", 3.4e6, 0.29);
     }
-    const wear::Campaign by_file = plant_sim::lab::load_campaign(folder / "campaign.sqlite", "");
+    const wear::Campaign by_file = rig::record::load_campaign(folder / "campaign.sqlite", "");
     REQUIRE(by_file.points.size() == 3);
     CHECK(by_file.points[0] == wear::Point{1.0e6, 0.31});
     // The aborted attempt is no point, but what it took is.
     CHECK(by_file.points[1] == wear::Point{2.4e6, 0.30});
-    CHECK(plant_sim::lab::load_campaign(folder.path(), "first").points == by_file.points);
+    CHECK(rig::record::load_campaign(folder.path(), "first").points == by_file.points);
     {
         rig::record::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
         ledger.open_campaign(campaign("second"), rig::record::IfChanged::reject);
         enter(ledger, "second", 1, "finished", 1.0e6, 0.31);
     }
-    CHECK_THROWS_WITH(plant_sim::lab::load_campaign(folder.path(), ""), ContainsSubstring("choose one with --campaign: first, second"));
-    CHECK_THROWS_WITH(plant_sim::lab::load_campaign(folder.path(), "second"), ContainsSubstring("one maneuver only"));
-    CHECK_THROWS_WITH(plant_sim::lab::load_campaign(folder.path(), "third"), ContainsSubstring("third"));
+    CHECK_THROWS_WITH(rig::record::load_campaign(folder.path(), ""), ContainsSubstring("choose one with --campaign: first, second"));
+    CHECK_THROWS_WITH(rig::record::load_campaign(folder.path(), "second"), ContainsSubstring("one maneuver only"));
+    CHECK_THROWS_WITH(rig::record::load_campaign(folder.path(), "third"), ContainsSubstring("third"));
 }
 
 TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; their energy is not", "[WEAR-001]") {
@@ -90,24 +91,24 @@ TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; th
         enter(ledger, "first", 2, "finished", 3.3e6, 0.22, {"mean_load_N", "length_m"});
         enter(ledger, "first", 3, "finished", 4.3e6, 0.29);
     }
-    const wear::Campaign kept = plant_sim::lab::load_campaign(folder.path(), "");
+    const wear::Campaign kept = rig::record::load_campaign(folder.path(), "");
     CHECK(kept.points == std::vector<wear::Point>{{1.0e6, 0.31}, {4.3e6, 0.29}});
     CHECK(kept.brakings.size() == 2);
     CHECK_THAT(kept.source, ContainsSubstring("1 out of tolerance left out"));
-    const auto taken = plant_sim::lab::OutOfTolerance::taken;
-    const wear::Campaign all = plant_sim::lab::load_campaign(folder.path(), "", taken);
+    const auto taken = rig::record::OutOfTolerance::taken;
+    const wear::Campaign all = rig::record::load_campaign(folder.path(), "", taken);
     CHECK(all.points == std::vector<wear::Point>{{1.0e6, 0.31}, {3.3e6, 0.22}, {4.3e6, 0.29}});
     CHECK_THAT(all.source, !ContainsSubstring("left out"));
-    CHECK(plant_sim::lab::load_campaigns({folder.path()}).at(0).points == kept.points);
-    CHECK(plant_sim::lab::load_campaigns({folder.path()}, taken).at(0).points == all.points);
+    CHECK(rig::record::load_campaigns({folder.path()}).at(0).points == kept.points);
+    CHECK(rig::record::load_campaigns({folder.path()}, taken).at(0).points == all.points);
 }
 
 TEST_CASE("what is no ledger is read as CSV", "[WEAR-001]") {
     const Folder folder("wear_csv");
     std::ofstream(folder / "data.csv") << "cumulative_energy_MJ,mean_friction\n1,0.3\n2,0.29\n";
-    CHECK(plant_sim::lab::load_campaign(folder / "data.csv", "").points.size() == 2);
-    CHECK_THROWS_WITH(plant_sim::lab::load_campaign(folder / "data.csv", "x"), ContainsSubstring("--campaign is for ledgers"));
-    CHECK_THROWS_AS(plant_sim::lab::load_campaign(folder.path(), ""), settings::Error);
+    CHECK(rig::record::load_campaign(folder / "data.csv", "").points.size() == 2);
+    CHECK_THROWS_WITH(rig::record::load_campaign(folder / "data.csv", "x"), ContainsSubstring("--campaign is for ledgers"));
+    CHECK_THROWS_AS(rig::record::load_campaign(folder.path(), ""), settings::Error);
 }
 
 TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is many", "[WEAR-001]") {
@@ -118,16 +119,16 @@ TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is
         enter(ledger, "first", 1, "finished", 1.0e6, 0.31);
         enter(ledger, "first", 2, "finished", 2.4e6, 0.30);
     }
-    CHECK(plant_sim::lab::load_campaign(folder.path(), "").points.size() == 2);
+    CHECK(rig::record::load_campaign(folder.path(), "").points.size() == 2);
     std::filesystem::create_directories(folder / "many");
     std::ofstream(folder / "many/b.csv") << "cumulative_energy_MJ,mean_friction\n1,0.3\n2,0.29\n";
     std::ofstream(folder / "many/a.csv") << "cumulative_energy_MJ,mean_friction\n1,0.4\n2,0.29\n";
-    const auto all = plant_sim::lab::load_campaigns({folder / "many", folder.path()});
+    const auto all = rig::record::load_campaigns({folder / "many", folder.path()});
     REQUIRE(all.size() == 3);
     CHECK(all[0].points[0].mean_friction == 0.4);
     CHECK(all[2].points.size() == 2);
     std::filesystem::create_directories(folder / "none");
-    CHECK_THROWS_AS(plant_sim::lab::load_campaigns({folder / "none"}), settings::Error);
+    CHECK_THROWS_AS(rig::record::load_campaigns({folder / "none"}), settings::Error);
 }
 
 TEST_CASE("nobody's brake is judged by made-up ones unless that is asked for", "[WEAR-071]") {
@@ -141,7 +142,7 @@ TEST_CASE("nobody's brake is judged by made-up ones unless that is asked for", "
 
 TEST_CASE("a landing's energy and the torque reserve are those of the configuration", "[WEAR-050]") {
     // By hand: light 2800 kg at 49 m/s, medium_a 3150 at 52, medium_b 3300 at 53, 76 % to the brake, an eighth on the model's axis.
-    const plant_sim::lab::ConfiguredMix c = plant_sim::lab::configured_mix("config", "light=1,medium=3", 0.24);
+    const wear::ConfiguredMix c = wear::configured_mix("config", "light=1,medium=3", 0.24);
     REQUIRE(c.mix.size() == 3);
     CHECK(c.mix[0].name == "light");
     CHECK(c.mix[0].share == Approx(0.25));
@@ -149,13 +150,13 @@ TEST_CASE("a landing's energy and the torque reserve are those of the configurat
     CHECK(c.mix[2].name == "medium_b");
     CHECK(c.mix[2].share == Approx(0.375));
     CHECK(c.mix[2].energy_J == Approx(0.5 * 3300.0 * 53.0 * 53.0 * 0.76 / 8.0));
-    CHECK_THROWS_WITH(plant_sim::lab::configured_mix("config", "lihgt=1", 0.24), ContainsSubstring("no maneuver 'lihgt'"));
-    CHECK_THROWS_WITH(plant_sim::lab::configured_mix("config", "light", 0.24), ContainsSubstring("is no share"));
-    CHECK_THROWS_WITH(plant_sim::lab::configured_mix("config", "light=-1", 0.24), ContainsSubstring("is no share"));
+    CHECK_THROWS_WITH(wear::configured_mix("config", "lihgt=1", 0.24), ContainsSubstring("no maneuver 'lihgt'"));
+    CHECK_THROWS_WITH(wear::configured_mix("config", "light", 0.24), ContainsSubstring("is no share"));
+    CHECK_THROWS_WITH(wear::configured_mix("config", "light=-1", 0.24), ContainsSubstring("is no share"));
 
     // Heavy: 4450 kg. At the limit the torque at the speed named is that of full pressure, by the heavy curve of landing_gear.toml shifted to the
     // mean, and a dry runway's 1.17 F_z r.
-    const plant_sim::lab::ReserveLimit r = plant_sim::lab::reserve_limit("config");
+    const wear::ReserveLimit r = wear::reserve_limit("config");
     const double v = r.speed_mps;
     const double F_z = 4450.0 * 9.80665 - 0.5 * 1.225 * 5.9 * v * v;
     const double wanted_Nm = 1.170 * F_z * (0.335 - F_z / 2.7e6);
@@ -184,7 +185,7 @@ TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, wit
         enter(ledger, "first", 3, "finished", 3.5e6, 0.36);
         enter(ledger, "first", 4, "finished", 4.5e6, 0.35);
     }
-    const wear::Campaign read = plant_sim::lab::load_campaign(folder.path(), "");
+    const wear::Campaign read = rig::record::load_campaign(folder.path(), "");
     CHECK(read.disc == "D8");
     CHECK(read.points == std::vector<wear::Point>{{1.5e6, 0.36}, {2.5e6, 0.35}});
     CHECK_THAT(read.source, ContainsSubstring("(brake '', disc 'D8'; 2 maneuvers of others left out)"));

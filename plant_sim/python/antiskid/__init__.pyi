@@ -1,13 +1,16 @@
 """The anti-skid controller and its virtual rig. Names carry their units; what is wrong in a configuration is an error that names file, line and key."""
 from os import PathLike
+from pathlib import Path
 from typing import Any, Sequence, TypedDict
 
 from numpy import float64
 from numpy.typing import NDArray
+from pandas import DataFrame
 from typing_extensions import Unpack
 
 __version__: str
 Column = NDArray[float64]
+Table = dict[str, NDArray[Any]]  # numbers, bools, or text as objects: pandas.DataFrame() takes it as it is
 
 class Keywords(TypedDict, total=False):
     """Those of `rig-lab stop`."""
@@ -31,6 +34,42 @@ class Keywords(TypedDict, total=False):
 def stop(**keywords: Unpack[Keywords]) -> dict[str, Any]:
     """One braking maneuver: figures as `rig-lab stop --json` has them."""
 
+def drive(
+    time_s: Sequence[float] | Column,
+    *,
+    pressure_Pa: Sequence[float] | Column | None = None,
+    current_mA: Sequence[float] | Column | None = None,
+    **keywords: Unpack[Keywords],
+) -> dict[str, Column]:
+    """Open loop, as `rig-lab drive`: the plant alone under a pressure or a current, linear between the times; a value each millisecond of time_s,
+    speed_mps, wheel_speed_radps, slip, pressure_Pa, brake_torque_Nm, F_x_N, F_z_N, radius_m, mu, energy_brake_J, energy_tyre_J."""
+
+def sweep(
+    references: Sequence[float] | Column | None = None,
+    *,
+    landings: int = 100,
+    threshold: bool = True,
+    seed: int = 1,
+    config: str | PathLike[str] | None = None,
+    threads: int = 0,
+) -> tuple[dict[str, Any], Table]:
+    """The set-point study of Section VI, as `rig-lab sweep`: its results.json, and the columns of its stops.csv. `references`: 0.06 to 0.50 in
+    hundredths by default; `threads`: 0 for all cores, the results are the same. Other threads run meanwhile; Ctrl-C ends it."""
+
+def robust(
+    *,
+    families: Sequence[str] = ...,
+    laws: Sequence[str] = ("slip", "threshold"),
+    draws: int = 140,
+    seed: int = 1,
+    controller: str | PathLike[str] = "",
+    ranges: str | PathLike[str] = "",
+    config: str | PathLike[str] | None = None,
+    threads: int = 0,
+) -> tuple[dict[str, Any], Table]:
+    """Stops on drawn plants and runways, as `rig-lab robust`: its results.json, and the columns of its stops.csv. Defaults are the verb's;
+    `controller`, `ranges`: files instead of those of `config`. `threads` and Ctrl-C as for sweep()."""
+
 def read_log(
     log: str | PathLike[str],
     *,
@@ -42,6 +81,62 @@ def read_log(
 ) -> dict[str, Column]:
     """The samples of a log (candump, Vector ASC or BLF, PEAK TRC): the columns of `rig-replay export`. `scenario` says teeth and radii."""
 
+def fit_wear(
+    energy_J: Sequence[float] | Column,
+    friction: Sequence[float] | Column,
+    *,
+    components: int = 15,
+    starts: int = 100,
+    seed: int = 1,
+    floor: float = 1e-4,
+    source: str = "arrays",
+    origin: str = "",
+    threads: int = 0,
+) -> dict[str, Any]:
+    """Gaussian mixtures of eq. (10) to (13) on a campaign's cumulative energy and mean friction, as `rig-lab wear fit`: its model.json. What
+    json.dump() writes of it is a model for `rig-lab wear` and landings_left(). `components`: the most that are tried; `origin`: 'measured ...' or
+    'made up ...'; `threads`: 0 for all cores, the model is the same. Ctrl-C ends it."""
+
+def landings_left(
+    energy_J: Sequence[float] | Column,
+    friction: Sequence[float] | Column,
+    population: str | PathLike[str],
+    *,
+    limit: float | None = None,
+    mix: str = "",
+    slip: float = 0.24,
+    energy_MJ: float | None = None,
+    last: int = 0,
+    method: str = "shipped",
+    horizon: int = 5000,
+    draws: int = 2000,
+    seed: int = 1,
+    config: str | PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """Landings until the brake's mean friction is below `limit` (None: where its torque reserve is gone), as `rig-lab wear forecast`: its
+    forecast.json with `landings_left` and `crossing_J` at 10, 50 and 90 %, and `provenance`, which says by which brakes. `population`:
+    population.json of `rig-lab wear population` or a model of fit_wear(). Landings to come: `mix` such as 'light=0.5,heavy=0.5' held at `slip`, or
+    `energy_MJ` each, or as the newest 100 were."""
+
+class Ledger:
+    """A campaign's ledger, read only: a bridge may be writing it meanwhile, or hold it."""
+
+    def __init__(self, where: str | PathLike[str], campaign: str = "") -> None:
+        """`where`: campaign.sqlite or its directory. `campaign` may be left out where there is one only."""
+    @property
+    def campaign(self) -> str: ...
+    @property
+    def file(self) -> Path: ...
+    def rows(self) -> Table:
+        """Every attempt, oldest first, amended and noted, as it is now: number, attempt, state, outcome, started, slip_reference,
+        cumulative_energy_J, counted_J, figures as in summary.json, disc_energy_J, serial numbers, faults, warnings, health, ... What is not known
+        is nan or empty."""
+    def data_frame(self) -> DataFrame:
+        """Of rows(). Needs pandas."""
+    def wear(self, *, out_of_tolerance: bool = False) -> tuple[Column, Column]:
+        """Cumulative energy in J and mean friction of every maneuver that `rig-lab wear fit` learns from: finished, within tolerance, of the newest
+        brake and disc."""
+
 class Scenario:
     """A maneuver, read and checked once. Other threads run while one of its stops does."""
 
@@ -51,6 +146,14 @@ class Scenario:
         """Figures, and every control period: time_s, speed_mps, wheel_rim_speed_mps, slip, slip_reference, pressure_demand_Pa, pressure_Pa, ..."""
     def stops(self, slip: Sequence[float] | Column, seed: Sequence[int] = ..., threads: int = 1) -> dict[str, Column]:
         """A maneuver for each slip reference; one seed for all, or one for each. What does not apply is nan."""
+    def drive(
+        self,
+        time_s: Sequence[float] | Column,
+        *,
+        pressure_Pa: Sequence[float] | Column | None = None,
+        current_mA: Sequence[float] | Column | None = None,
+    ) -> dict[str, Column]:
+        """The plant alone, as drive()."""
     def rig(self) -> Rig:
         """A new rig before touchdown."""
     def controller(self) -> Controller:

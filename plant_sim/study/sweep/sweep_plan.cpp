@@ -1,5 +1,7 @@
 #include "plant_sim/study/sweep/sweep_plan.hpp"
 
+#include <cmath>
+
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/hash.hpp"
@@ -10,6 +12,16 @@ namespace sweep {
 std::vector<double> paper_references() {
     std::vector<double> references;
     for (int hundredths = 6; hundredths <= 50; ++hundredths) references.push_back(hundredths / 100.0);
+    return references;
+}
+
+std::optional<std::vector<double>> in_whole_steps(std::vector<double> references) {
+    double before = 0.0;
+    for (double& reference : references) {
+        reference = std::round(reference * 1e6) / 1e6;
+        if (!(reference >= 0.01 && reference <= 0.5 && reference > before)) return std::nullopt;
+        before = reference;
+    }
     return references;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ namespace sweep {
 inline constexpr std::size_t kPaperLandings = 100;
 /// The paper's best fixed reference.
 inline constexpr double kPaperReference = 0.24;
+/// In whole steps of 1e-6: the same numbers whichever way they were given. None where they do not increase, or are not from 0.01 to 0.5.
+[[nodiscard]] std::optional<std::vector<double>> in_whole_steps(std::vector<double> references);
 
 /// One runway under one maneuver, with a new brake.
 struct StopConditions {

@@ -1,18 +1,17 @@
-#include "plant_sim/lab/campaign_source.hpp"
+#include "rig_bridge/record/campaign_source.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <stdexcept>
 #include <string_view>
 #include <vector>
 
-#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
-namespace plant_sim::lab {
+namespace rig::record {
 
 namespace {
 
@@ -23,38 +22,24 @@ bool is_sqlite(const std::filesystem::path& path) {
     return file.read(head.data(), head.size()) && std::string_view(head.data(), head.size()) == kMagic;
 }
 
-std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
-    if (!wanted.empty()) return wanted;
-    const std::vector<rig::record::Campaign> all = rig::record::read_campaigns(ledger);
-    if (all.size() == 1) return all.front().name;
-    std::string names;
-    for (const rig::record::Campaign& c : all) {
-        names += names.empty() ? "" : ", ";
-        names += c.name;
-    }
-    throw settings::Error(ledger.string(), 0, "",
-                          all.empty() ? std::string("no campaign in this ledger")
-                                      : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
-}
-
 wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::string& wanted, OutOfTolerance off) {
     const std::string name = chosen_campaign(ledger, wanted);
     wear::Campaign out;
     out.source = fmt::format("{}, campaign {}", ledger.string(), name);
-    const std::vector<rig::record::LedgerRow> rows = rig::record::read_ledger(ledger, name);
+    const std::vector<LedgerRow> rows = read_ledger(ledger, name);
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
     std::size_t left_out = 0, of_others = 0;
-    rig::record::DiscEnergy taken;
+    DiscEnergy taken;
     if (!rows.empty()) {
         out.brake = rows.back().summary.specimen.brake;
         out.disc = rows.back().summary.specimen.disc;
     }
-    for (const rig::record::LedgerRow& row : rows) {
-        const rig::record::Specimen& parts = row.summary.specimen;
+    for (const LedgerRow& row : rows) {
+        const Specimen& parts = row.summary.specimen;
         const double disc_J = row.has_figures ? taken.after(parts, row.summary.cumulative_energy_J) : 0.0;
-        if (row.state != rig::record::RowState::finished) continue;
-        if (off == OutOfTolerance::left_out && rig::record::off_conditions(row.summary)) {
+        if (row.state != RowState::finished) continue;
+        if (off == OutOfTolerance::left_out && off_conditions(row.summary)) {
             ++left_out;
             continue;
         }
@@ -62,7 +47,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
             ++of_others;
             continue;
         }
-        const rig::record::Figures& f = row.summary.figures;
+        const Figures& f = row.summary.figures;
         out.points.push_back({disc_J, f.mean_friction});
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
@@ -78,8 +63,26 @@ std::filesystem::path ledger_in(const std::filesystem::path& directory) {
 
 }  // namespace
 
+std::filesystem::path ledger_at(const std::filesystem::path& where) {
+    return std::filesystem::is_directory(where) ? ledger_in(where) : where;
+}
+
+std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
+    const std::vector<Campaign> all = read_campaigns(ledger);  // in any case: whoever opens a ledger to write makes it where there is none
+    if (!wanted.empty()) return wanted;
+    if (all.size() == 1) return all.front().name;
+    std::string names;
+    for (const Campaign& c : all) {
+        names += names.empty() ? "" : ", ";
+        names += c.name;
+    }
+    throw settings::Error(ledger.string(), 0, "",
+                          all.empty() ? std::string("no campaign in this ledger")
+                                      : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
+}
+
 wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign, OutOfTolerance off) {
-    const std::filesystem::path file = std::filesystem::is_directory(where) ? ledger_in(where) : where;
+    const std::filesystem::path file = ledger_at(where);
     if (is_sqlite(file)) return from_ledger(file, campaign, off);
     if (!campaign.empty()) throw settings::Error(file.string(), 0, "", "--campaign is for ledgers; this file is none");
     return wear::read_campaign(file);
@@ -104,28 +107,4 @@ std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::pa
     return campaigns;
 }
 
-void PopulationOptions::add_to(CLI::App& verb) {
-    auto* const given =
-        settings::existing_file(verb.add_option("--model", model, "population.json of `wear population`, or model.json of `wear fit`"));
-    verb.add_flag("--assume-made-up", assume_made_up, "go by config/wear/population.json, which is made up: for demonstrations")->excludes(given);
-}
-
-wear::PopulationFile PopulationOptions::read() const {
-    if (model.empty() && !assume_made_up)
-        throw std::invalid_argument(
-            "no population of brakes like yours: learn one by `rig-lab wear population` and give it with --model; --assume-made-up goes by the "
-            "one of the installation, whose brakes are made up and say nothing about a real one");
-    return wear::read_population(model.empty() ? settings::config_directory() / "wear/population.json" : model);
-}
-
-void add_origin(CLI::App& verb, std::string& origin) {
-    verb.add_option("--origin", origin, "of the campaigns, 'measured ...' or 'made up ...' (default: what they say of themselves)")
-        ->check([](const std::string& text) { return wear::is_origin(text) ? std::string() : "an origin begins with 'measured' or 'made up'"; });
-}
-
-void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off) {
-    verb.add_flag_callback(
-        "--out-of-tolerance", [&off] { off = OutOfTolerance::taken; }, "take a ledger's maneuvers that were out of tolerance, too");
-}
-
-}  // namespace plant_sim::lab
+}  // namespace rig::record

@@ -1,4 +1,4 @@
-#include "plant_sim/lab/landing_mix.hpp"
+#include "plant_sim/wear/landing_mix.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "plant_sim/model/brake.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
-namespace plant_sim::lab {
+namespace wear {
 
 namespace {
 
@@ -59,7 +59,7 @@ ConfiguredMix configured_mix(const std::filesystem::path& config, const std::str
         sum += share;
     }
     if (out.mix.empty()) throw std::invalid_argument("--mix: is empty; expected e.g. light=0.5,medium=0.3,heavy=0.2");
-    for (wear::LandingKind& kind : out.mix) kind.share /= sum;
+    for (LandingKind& kind : out.mix) kind.share /= sum;
     return out;
 }
 
@@ -96,4 +96,4 @@ ReserveLimit reserve_limit(const std::filesystem::path& config) {
     return {high / loaded.wear.scale.friction, s.torque_Nm, s.speed_mps, loaded.files};
 }
 
-}  // namespace plant_sim::lab
+}  // namespace wear

@@ -8,11 +8,11 @@
 
 #include "rig_bridge/wear/forecast.hpp"
 
-namespace plant_sim::lab {
+namespace wear {
 
 /// What a mix was made of, for people and for the hash of results.
 struct ConfiguredMix {
-    wear::LandingMix mix;
+    LandingMix mix;
     std::vector<std::filesystem::path> files;
 };
 
@@ -33,4 +33,4 @@ struct ReserveLimit {
 };
 [[nodiscard]] ReserveLimit reserve_limit(const std::filesystem::path& config);
 
-}  // namespace plant_sim::lab
+}  // namespace wear

@@ -1,0 +1,61 @@
+#include "plant_sim/python/studies.hpp"
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include "plant_sim/python/interruptible.hpp"
+#include "plant_sim/study/robust/report.hpp"
+#include "plant_sim/study/sweep/run.hpp"
+#include "plant_sim/study/sweep/stops_table.hpp"
+#include "plant_sim/study/sweep/summary.hpp"
+#include "plant_sim/study/team/shared_work.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
+
+namespace plant_sim::python {
+
+namespace {
+
+unsigned threads_of(unsigned asked) {
+    return asked > 0 ? asked : wear::all_cores();
+}
+
+}  // namespace
+
+StudyFiles sweep_study(const sweep::SweepPlanOptions& options, unsigned threads) {
+    if (options.landings < 1) throw std::invalid_argument("landings: expected 1 or more");
+    sweep::SweepPlanOptions asked = options;
+    const auto references = sweep::in_whole_steps(options.references);
+    if (!references || references->empty()) throw std::invalid_argument("references: expected some, increasing, from 0.01 to 0.5");
+    asked.references = *references;
+    std::atomic<bool> stop{false};
+    const auto study = [&] {
+        const sweep::SweepPlan plan = sweep::load_plan(asked);
+        const std::vector<sweep::Row> rows =
+            sweep::run(plan, study::team::order_of_work(plan.stops()), {.threads = threads_of(threads), .stop = &stop});
+        if (rows.size() < plan.stops()) return StudyFiles{};
+        const sweep::Identity identity = sweep::identity_of(plan);
+        StudyFiles files;
+        files.results = sweep::to_json(sweep::summarised(identity, rows));
+        files.stops = sweep::to_csv(identity, rows);
+        return files;
+    };
+    return interruptible(study, [&] { stop = true; });
+}
+
+StudyFiles robust_study(const robust::RobustPlanOptions& options, unsigned threads) {
+    if (options.draws < 1) throw std::invalid_argument("draws: expected 1 or more");
+    std::atomic<bool> stop{false};
+    const auto study = [&] {
+        const robust::RobustPlan plan = robust::load_plan(options);
+        const std::vector<robust::Row> rows = robust::run(plan, {.threads = threads_of(threads), .stop = &stop});
+        if (rows.size() < plan.stops()) return StudyFiles{};
+        StudyFiles files;
+        files.results = robust::to_json(plan, rows, robust::summarise(plan, rows));
+        files.stops = robust::to_csv(plan, rows);
+        return files;
+    };
+    return interruptible(study, [&] { stop = true; });
+}
+
+}  // namespace plant_sim::python

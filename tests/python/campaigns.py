@@ -1,0 +1,153 @@
+#!/usr/bin/python3
+"""[STUDY-820] [STUDY-830] Ledgers read and wear learnt from Python are what the programs say.
+
+Usage: campaigns.py DIRECTORY_OF_THE_MODULE RIG_LAB RIG_BRIDGE, from the project root.
+"""
+import csv
+import json
+import math
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, sys.argv[1])
+import numpy  # noqa: E402
+
+import antiskid  # noqa: E402
+
+LAB, BRIDGE = sys.argv[2:4]
+
+
+def said(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def refused(kind, words, call):
+    try:
+        call()
+    except kind as error:
+        assert words in str(error), error
+    else:
+        raise AssertionError(f"not refused: {words}")
+
+
+def same(value, stated):
+    if isinstance(stated, list):
+        return value in (" ".join(stated), "; ".join(stated))
+    if stated is None:
+        return math.isnan(value)
+    return value == stated
+
+
+def rows(folder):
+    """As `rig-bridge status` has them, to the last bit, and as amended and noted."""
+    ledger = antiskid.Ledger(folder)
+    assert ledger.campaign == "endurance" and ledger.file == pathlib.Path(folder) / "campaign.sqlite"
+    before = ledger.rows()
+    said(BRIDGE, "ledger", "amend", folder, "--maneuver", "2", "--energy-MJ", "0.5", "--who", "A", "--why", "encoder")
+    said(BRIDGE, "ledger", "note", folder, "--maneuver", "3", "--tyre", "T9", "--notes", "käfig", "--who", "A")
+    table = ledger.rows()
+    stated = json.loads(said(BRIDGE, "status", folder, "--json", "-"))[0]["maneuvers"]
+    compared = set(table) & set(stated[0])
+    assert len(compared) > 25, compared
+    for name in compared:
+        assert len(table[name]) == len(stated)
+        for value, row in zip(table[name], stated):
+            assert same(value, row[name]), f"{name}: {value!r} instead of {row[name]!r}"
+    assert table["tyre_serial"].tolist()[1:4] == ["", "T9", ""] and table["notes"][2] == "käfig"
+    assert table["counted_J"][1] == 0.5e6 and numpy.allclose(table["cumulative_energy_J"][1:], numpy.cumsum(table["counted_J"])[1:])
+    assert (before["cumulative_energy_J"][1:] != table["cumulative_energy_J"][1:]).all()
+    assert table["number"].dtype.kind == "i" and table["standstill"].dtype == bool and table["disc_energy_J"][-1] == table["cumulative_energy_J"][-1]
+
+
+def data_frame(folder):
+    import pandas
+
+    ledger = antiskid.Ledger(folder, "endurance")
+    frame = ledger.data_frame()
+    assert frame.equals(pandas.DataFrame(ledger.rows()))
+    assert frame[frame.state == "finished"].mean_friction.tolist() == ledger.rows()["mean_friction"].tolist()
+    sys.modules["pandas"] = None  # as where it is not installed
+    refused(ImportError, "python3-pandas", ledger.data_frame)
+    sys.modules["pandas"] = pandas
+
+
+def wear_points(folder):
+    energy_J, friction = antiskid.Ledger(folder).wear()
+    table = list(csv.DictReader(said(LAB, "wear", "table", folder, "--csv", "-").splitlines()))
+    assert energy_J.tolist() == [float(row["cumulative_energy_J"]) for row in table]
+    assert friction.tolist() == [float(row["mean_friction"]) for row in table]
+
+
+def learnt(folder):
+    """Model and forecast as the verbs have them."""
+    source = f"{folder}/begin.csv"
+    whole = pathlib.Path("config/wear/endurance_campaign.csv").read_text().splitlines(keepends=True)
+    pathlib.Path(source).write_text("".join(whole[:90]))
+    table = list(csv.DictReader(line for line in said(LAB, "wear", "table", source, "--csv", "-").splitlines() if not line.startswith("#")))
+    energy_J, friction = (numpy.array([float(row[name]) for row in table]) for name in ("cumulative_energy_J", "mean_friction"))
+    sizes = ("--components", "4", "--starts", "3", "--seed", "5")
+    native = json.loads(said(LAB, "wear", "fit", source, *sizes, "--origin", "made up", "--no-pictures", "--out", folder, "--json", "-"))
+    model = antiskid.fit_wear(energy_J, friction, components=4, starts=3, seed=5, source=source, origin="made up")
+    assert model == native
+    written = pathlib.Path(folder) / "mine.json"
+    written.write_text(json.dumps(model))
+    fleet = "config/wear/population.json"
+    for population, limit, options, keywords in (
+        (written, 0.2, ("--energy", "1.5", "--seed", "3", "--last", "30"), {"energy_MJ": 1.5, "seed": 3, "last": 30}),
+        (fleet, None, ("--mix", "light=0.5,heavy=0.5", "--method", "filter"), {"mix": "light=0.5,heavy=0.5", "method": "filter"}),
+        (fleet, 0.25, ("--draws", "500"), {"draws": 500}),
+    ):
+        options += ("--reserve",) if limit is None else ("--limit", str(limit))
+        native = json.loads(said(LAB, "wear", "forecast", source, "--model", population, *options, "--no-pictures", "--out", folder, "--json", "-"))
+        answer = antiskid.landings_left(energy_J, friction, population, limit=limit, **keywords)
+        provenance = answer.pop("provenance")
+        assert answer == native, f"{answer} instead of {native}"
+        assert provenance.startswith("made up") and provenance.endswith(("1 life", "lives")), provenance
+    refused(ValueError, "2 energies and 1 frictions", lambda: antiskid.fit_wear([1e6, 2e6], [0.3]))
+    refused(ValueError, "begin with 'measured'", lambda: antiskid.fit_wear(energy_J, friction, origin="rig 7"))
+    refused(RuntimeError, "must increase", lambda: antiskid.fit_wear([2e6, 1e6], [0.3, 0.29]))
+    refused(ValueError, "none of shipped", lambda: antiskid.landings_left(energy_J, friction, fleet, limit=0.2, method="best"))
+    refused(RuntimeError, "none.json", lambda: antiskid.landings_left(energy_J, friction, "none.json", limit=0.2))
+
+
+def interrupted():
+    """Ctrl-C ends a search that would go on for hours."""
+    signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    friction = 0.3 + 0.01 * numpy.random.default_rng(1).normal(size=2000)
+    try:
+        antiskid.fit_wear(1e6 * numpy.arange(1, 2001), friction, starts=100_000)
+    except KeyboardInterrupt:
+        return
+    raise AssertionError("it was not interrupted")
+
+
+def unfinished(folder):
+    """A bridge that died: figures that nobody knows are nan."""
+    import sqlite3
+
+    with sqlite3.connect(f"{folder}/campaign.sqlite") as ledger:
+        ledger.execute("UPDATE maneuvers SET state = 'unfinished', cumulative_energy_J = NULL WHERE number = 12")
+    ledger.close()
+    table = antiskid.Ledger(folder).rows()
+    assert table["state"][-1] == "unfinished" and math.isnan(table["mean_friction"][-1]) and math.isnan(table["counted_J"][-1])
+    assert not table["standstill"][-1] and len(antiskid.Ledger(folder).wear()[0]) == 11
+
+
+def what_is_wrong(folder):
+    refused(RuntimeError, "none.sqlite", lambda: antiskid.Ledger(f"{folder}/none.sqlite"))
+    refused(RuntimeError, "it has endurance", lambda: antiskid.Ledger(folder, "other").rows())
+
+
+with tempfile.TemporaryDirectory() as directory:
+    said(LAB, "endurance", "--maneuvers", "12", "--out", directory)
+    rows(directory)
+    data_frame(directory)
+    wear_points(directory)
+    what_is_wrong(directory)
+    learnt(directory)
+    interrupted()
+    unfinished(directory)
