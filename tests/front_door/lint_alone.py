@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Every file compiles by itself, so that it includes what it uses: the builds take each target as one translation unit, and would not notice.
 
-A target's only file is alone there, too, and not compiled again. The test framework's header, a third of the time of a test, is compiled once
-for all tests: every test includes it, and nothing but them.
+A target's only file is alone there, too, and not compiled again. Bodies of functions in system headers are left out (lint_own_bodies.cpp), and the
+test framework's header, a third of the time of a test, is compiled once for all tests: every test includes it, and nothing but them.
 
 usage: lint_alone.py BUILD_DIR     an ordinary build is configured in BUILD_DIR/alone
 """
@@ -12,6 +12,7 @@ import json
 import os
 import pathlib
 import shlex
+import shutil
 import subprocess
 import sys
 
@@ -19,25 +20,34 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMEWORK = ROOT / "tests/catch.hpp"
 
 
+def compile_plugin(build):
+    """clang, and how it loads the plugin that leaves out the bodies of functions in system headers."""
+    clang = pathlib.Path(shutil.which("clang-tidy")).resolve().parents[1]
+    plugin = build / "own_bodies.so"
+    subprocess.run([clang / "bin/clang++", "-std=c++17", "-O1", "-fPIC", "-fno-rtti", "-shared", "-isystem", clang / "include",
+                    ROOT / "tests/front_door/lint_own_bodies.cpp", "-o", plugin], check=True)
+    return clang / "bin/clang++", f"-fplugin={plugin}"
+
+
 def options_of(entry):
-    """The compiler and its options, without the file that it compiles and the one that it writes."""
-    words = shlex.split(entry["command"])
+    """The compiler's options, without the file that it compiles and the one that it writes."""
+    words = shlex.split(entry["command"])[1:]
     target = words.index("-o")
     return [word for word in words[:target] + words[target + 2:] if word not in ("-c", entry["file"])]
 
 
-def precompile_framework(entry, folder):
+def precompile_framework(clang, entry, folder):
     """What a test's options take besides."""
     header = folder / "framework.hpp"
     header.write_text(f'#include "{FRAMEWORK}"\n')
-    subprocess.run([*options_of(entry), "-x", "c++-header", header, "-o", f"{header}.gch"], cwd=entry["directory"], check=True)
-    header.write_text("#error no test finds the precompiled header\n")
-    return ["-include", str(header)]
+    subprocess.run([*clang, *options_of(entry), "-x", "c++-header", header, "-o", f"{header}.pch"], cwd=entry["directory"], check=True)
+    return ["-include-pch", f"{header}.pch"]
 
 
-def compile_alone(entry, more):
+def compile_alone(clang, entry, more):
     """What the compiler says."""
-    run = subprocess.run([*options_of(entry), *more, "-fsyntax-only", entry["file"]], cwd=entry["directory"], capture_output=True, text=True, check=False)
+    command = [*clang, *options_of(entry), *more, "-fsyntax-only", entry["file"]]
+    run = subprocess.run(command, cwd=entry["directory"], capture_output=True, text=True, check=False)
     return run.stderr if run.returncode else ""
 
 
@@ -53,14 +63,17 @@ def is_test(entry):
 
 def main():
     build = pathlib.Path(sys.argv[1]).resolve() / "alone"
-    subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja"], stdout=subprocess.DEVNULL, check=True)
+    build.mkdir(parents=True, exist_ok=True)
+    clang = compile_plugin(build)
+    subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={clang[0]}"], stdout=subprocess.DEVNULL, check=True)
     everything = [entry for entry in json.loads((build / "compile_commands.json").read_text())
                   if not pathlib.Path(entry["file"]).is_relative_to(build)]
     files = collections.Counter(map(target_of, everything))
     entries = [entry for entry in everything if files[target_of(entry)] > 1]
-    framework = precompile_framework(next(filter(is_test, entries)), build)
+    test = next(filter(is_test, entries), None)
+    framework = precompile_framework(clang, test, build) if test else []
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        said = pool.map(lambda entry: compile_alone(entry, framework if is_test(entry) else []), entries)
+        said = pool.map(lambda entry: compile_alone(clang, entry, framework if is_test(entry) else []), entries)
         complaints = [complaint for complaint in said if complaint]
     print(*complaints, f"{len(entries)} files of {len(everything)}, {len(complaints)} do not compile by themselves", sep="\n")
     return 0 if entries and not complaints else 1

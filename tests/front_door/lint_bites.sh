@@ -103,6 +103,12 @@ check "tidy: checks of the files' own folder are in force" "$lints/lint_tidy.py"
 rm "$tree/firmware/control/.clang-tidy"
 
 clean
+check "alone: clean tree" "$lints/lint_alone.py" "$tree/build"
+printf '#include <vector>\nint twice(int x) { return 2 * x; }\n' >"$source"
+printf '#include <cmath>\nint half(int x) {\n    return std::vector<int>{x / 2}.front();\n}\n' >"$tree/firmware/control/other.cpp"
+check "alone: a body that names what only the file before it includes" refuses "no member named 'vector'" "$lints/lint_alone.py" "$tree/build"
+
+clean
 check "target: clean tree" "$lints/lint_cortex_m7.sh" "$scratch/objects"
 seeds=('float f(float x) { return std::sin(x); }' 'int* f() { return new int(3); }' 'int* f() { return (int*)std::malloc(3); }'
     'float f(float x) { return static_cast<float>(x * 2.0); }' 'int f() { throw 3; }')
