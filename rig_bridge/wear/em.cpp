@@ -30,7 +30,7 @@ void bound_below(double& xx, double& xy, double& yy, double floor) {
     xy = new_radius * sine;
 }
 
-void whiten(const StandardMixture& m, std::array<Whitened, kMaxComponents>& out) {
+void whiten(const StandardMixture& m, std::array<Whitened, kMaxSearched>& out) {
     for (std::size_t j = 0; j < m.components; ++j) {
         const double l11 = std::sqrt(m.xx[j]);
         const double l21 = m.xy[j] / l11;
@@ -112,7 +112,7 @@ EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSet
     for (std::size_t j = 0; j < start.components; ++j)
         bound_below(run.mixture.xx[j], run.mixture.xy[j], run.mixture.yy[j], settings.covariance_floor);
     const auto n = static_cast<double>(points.size());
-    std::array<Whitened, kMaxComponents> whitened{};
+    std::array<Whitened, kMaxSearched> whitened{};
     Pass sums;
     const auto left = [&] { return run.iterations < settings.max_iterations; };
     const auto step_from = [&](StandardMixture mixture, double at_least) {
@@ -171,7 +171,7 @@ StandardMixture mixture_of(const StandardPoints& points, std::span<const std::si
 }
 
 double log_likelihood(const StandardPoints& points, const StandardMixture& mixture) {
-    std::array<Whitened, kMaxComponents> whitened{};
+    std::array<Whitened, kMaxSearched> whitened{};
     Pass sums;
     whiten(mixture, whitened);
     pass(points, whitened.data(), mixture.components, sums);

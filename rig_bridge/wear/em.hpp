@@ -10,7 +10,8 @@
 namespace wear {
 
 constexpr std::size_t kMaxComponents = 15;
-constexpr std::size_t kBlock = 64;  ///< points that are worked on together
+constexpr std::size_t kMaxSearched = kMaxComponents + 1;  ///< one more than is asked for: its merged components are starts
+constexpr std::size_t kBlock = 64;                        ///< points that are worked on together
 
 /// Two-dimensional points, each coordinate of mean 0 and standard deviation 1, one array a coordinate, padded to whole blocks.
 class StandardPoints {
@@ -35,7 +36,7 @@ class StandardPoints {
 /// M Gaussian components on standardised coordinates.
 struct StandardMixture {
     std::size_t components = 0;
-    std::array<double, kMaxComponents> weight{}, mx{}, my{}, xx{}, xy{}, yy{};
+    std::array<double, kMaxSearched> weight{}, mx{}, my{}, xx{}, xy{}, yy{};
 };
 
 struct EmSettings {
