@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 #include "rig_bridge/wear/em_pass.hpp"
 
@@ -28,7 +30,7 @@ void bound_below(double& xx, double& xy, double& yy, double floor) {
     xy = new_radius * sine;
 }
 
-void whiten(const StandardMixture& m, std::array<Whitened, kMaxComponents>& out) {
+void whiten(const StandardMixture& m, std::array<Whitened, kMaxSearched>& out) {
     for (std::size_t j = 0; j < m.components; ++j) {
         const double l11 = std::sqrt(m.xx[j]);
         const double l21 = m.xy[j] / l11;
@@ -37,9 +39,10 @@ void whiten(const StandardMixture& m, std::array<Whitened, kMaxComponents>& out)
     }
 }
 
+// A component that nothing belongs to stays where it is: any parameters maximise its part, which is nothing.
+constexpr double kNothing = 1e-12;
+
 void maximise(const Pass& sums, double points, double floor, StandardMixture& m) {
-    // A component that nothing belongs to stays where it is: any parameters maximise its part, which is nothing.
-    constexpr double kNothing = 1e-12;
     double all = 0.0;
     for (std::size_t j = 0; j < m.components; ++j) {
         const Moments& s = sums.moments[j];
@@ -58,6 +61,39 @@ void maximise(const Pass& sums, double points, double floor, StandardMixture& m)
     for (std::size_t j = 0; j < m.components; ++j) m.weight[j] /= all;
 }
 
+/// Where three mixtures, each an EM step from the one before, are going; none where steps do not shrink.
+std::optional<StandardMixture> extrapolated(const StandardMixture& first, const StandardMixture& second, const StandardMixture& third, double floor) {
+    StandardMixture out = third;
+    const auto each_parameter = [&](const auto& use) {
+        for (const auto list : {&StandardMixture::weight, &StandardMixture::mx, &StandardMixture::my, &StandardMixture::xx, &StandardMixture::xy,
+                                &StandardMixture::yy}) {
+            for (std::size_t j = 0; j < out.components; ++j) {
+                const double step = (second.*list)[j] - (first.*list)[j];
+                use((out.*list)[j], (first.*list)[j], step, (third.*list)[j] - (second.*list)[j] - step);
+            }
+        }
+    };
+    double steps = 0.0;
+    double changes = 0.0;
+    each_parameter([&](double&, double, double step, double change) {
+        steps += step * step;
+        changes += change * change;
+    });
+    if (!(steps > changes)) return std::nullopt;
+    const double length = std::sqrt(steps / changes);
+    if (!std::isfinite(length)) return std::nullopt;
+    each_parameter([&](double& value, double from, double step, double change) { value = from + length * (2.0 * step + length * change); });
+    constexpr double kLeastWeight = 1e-6;  // the extrapolated one may be below 0
+    double all = 0.0;
+    for (std::size_t j = 0; j < out.components; ++j) {
+        out.weight[j] = std::max(out.weight[j], kLeastWeight);
+        all += out.weight[j];
+        bound_below(out.xx[j], out.xy[j], out.yy[j], floor);
+    }
+    for (std::size_t j = 0; j < out.components; ++j) out.weight[j] /= all;
+    return out;
+}
+
 }  // namespace
 
 StandardPoints::StandardPoints(std::span<const double> x, std::span<const double> y) : size_(x.size()) {
@@ -73,23 +109,39 @@ StandardPoints::StandardPoints(std::span<const double> x, std::span<const double
 EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSettings& settings, const std::function<void(double)>& watch) {
     EmRun run;
     run.mixture = start;
-    std::array<Whitened, kMaxComponents> whitened{};
+    for (std::size_t j = 0; j < start.components; ++j)
+        bound_below(run.mixture.xx[j], run.mixture.xy[j], run.mixture.yy[j], settings.covariance_floor);
+    const auto n = static_cast<double>(points.size());
+    std::array<Whitened, kMaxSearched> whitened{};
     Pass sums;
-    double before = 0.0;
-    for (run.iterations = 1; run.iterations <= settings.max_iterations; ++run.iterations) {
-        whiten(run.mixture, whitened);
-        pass(points, whitened.data(), run.mixture.components, sums);
+    const auto left = [&] { return run.iterations < settings.max_iterations; };
+    const auto step_from = [&](StandardMixture mixture, double at_least) {
+        ++run.iterations;
+        whiten(mixture, whitened);
+        pass(points, whitened.data(), mixture.components, sums);
+        if (sums.log_likelihood < at_least) return false;
+        maximise(sums, n, settings.covariance_floor, mixture);
+        run.mixture = mixture;
         run.log_likelihood = sums.log_likelihood;
         if (watch) watch(run.log_likelihood);
-        maximise(sums, static_cast<double>(points.size()), settings.covariance_floor, run.mixture);
-        const double scale = std::max(1.0, std::abs(run.log_likelihood));
-        if (run.iterations > 1 && run.log_likelihood - before < settings.tolerance * scale) {
+        return true;
+    };
+    constexpr double kAny = -std::numeric_limits<double>::infinity();
+    double before = kAny;
+    while (left()) {
+        const StandardMixture first = run.mixture;
+        step_from(first, kAny);
+        if (run.log_likelihood - before < settings.tolerance * n) {
             run.converged = true;
-            return run;
+            break;
         }
         before = run.log_likelihood;
+        if (!left()) break;
+        const StandardMixture second = run.mixture;
+        step_from(second, kAny);
+        const auto far = left() ? extrapolated(first, second, run.mixture, settings.covariance_floor) : std::nullopt;
+        if (far && !step_from(*far, run.log_likelihood)) ++run.refused;
     }
-    run.iterations = settings.max_iterations;
     return run;
 }
 
@@ -119,7 +171,7 @@ StandardMixture mixture_of(const StandardPoints& points, std::span<const std::si
 }
 
 double log_likelihood(const StandardPoints& points, const StandardMixture& mixture) {
-    std::array<Whitened, kMaxComponents> whitened{};
+    std::array<Whitened, kMaxSearched> whitened{};
     Pass sums;
     whiten(mixture, whitened);
     pass(points, whitened.data(), mixture.components, sums);

@@ -10,7 +10,8 @@
 namespace wear {
 
 constexpr std::size_t kMaxComponents = 15;
-constexpr std::size_t kBlock = 64;  ///< points that are worked on together
+constexpr std::size_t kMaxSearched = kMaxComponents + 1;  ///< one more than is asked for: its merged components are starts
+constexpr std::size_t kBlock = 64;                        ///< points that are worked on together
 
 /// Two-dimensional points, each coordinate of mean 0 and standard deviation 1, one array a coordinate, padded to whole blocks.
 class StandardPoints {
@@ -35,11 +36,11 @@ class StandardPoints {
 /// M Gaussian components on standardised coordinates.
 struct StandardMixture {
     std::size_t components = 0;
-    std::array<double, kMaxComponents> weight{}, mx{}, my{}, xx{}, xy{}, yy{};
+    std::array<double, kMaxSearched> weight{}, mx{}, my{}, xx{}, xy{}, yy{};
 };
 
 struct EmSettings {
-    double tolerance = 1e-8;  ///< ends when the log-likelihood gains less than this, relative to it
+    double tolerance = 1e-8;  ///< ends when a cycle of three steps gains less than this of the log-likelihood, for each point
     /// Least eigenvalue of a covariance matrix on standardised data. Under this bound the M step stays the exact maximum (eigenvalues
     /// below it are raised to it), so that the log-likelihood never falls and no component collapses onto a point or a line.
     double covariance_floor = 1e-4;
@@ -49,12 +50,15 @@ struct EmSettings {
 struct EmRun {
     StandardMixture mixture;
     double log_likelihood = 0.0;  ///< of `mixture` but for the last M step, which only raises it
-    int iterations = 0;
+    int iterations = 0;           ///< EM steps
+    int refused = 0;              ///< of them, from extrapolations that were less likely than where they began
     bool converged = false;
 };
 
-/// From `start` to convergence. `watch`, when given, sees the log-likelihood of each iteration. The same bits on every machine, whatever its
-/// vector unit.
+/// From `start` to convergence, by SQUAREM (Varadhan and Roland, Scand. J. Statist. 35, 2008, scheme S3): after two EM steps the parameters are
+/// extrapolated and a third step begins there, unless the extrapolation is less likely than what it began from. The bound on eigenvalues
+/// holds for what is extrapolated, too. `watch`, when given, sees the log-likelihood of each accepted step, which never falls. The same bits
+/// on every machine, whatever its vector unit.
 [[nodiscard]] EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSettings& settings,
                        const std::function<void(double)>& watch = {});
 

@@ -68,11 +68,11 @@ struct Sums {
 }
 
 [[gnu::always_inline]] inline void whole_pass(const StandardPoints& points, const Whitened* components, std::size_t count, Pass& out) {
-    alignas(64) std::array<std::array<double, kBlock>, kMaxComponents> share{};
+    alignas(64) std::array<std::array<double, kBlock>, kMaxSearched> share{};
     alignas(64) std::array<double, kBlock> greatest{};
     alignas(64) std::array<double, kBlock> sum{};
     alignas(64) std::array<double, kBlock> scale{};
-    alignas(64) std::array<Sums, kMaxComponents> sums{};
+    alignas(64) std::array<Sums, kMaxSearched> sums{};
     double log_likelihood = 0.0;
     for (std::size_t b = 0; b < points.blocks(); ++b) {
         const double* x = points.x() + b * kBlock;

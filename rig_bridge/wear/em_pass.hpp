@@ -21,7 +21,7 @@ struct Moments {
 };
 
 struct Pass {
-    std::array<Moments, kMaxComponents> moments;
+    std::array<Moments, kMaxSearched> moments;
     double log_likelihood = 0.0;
 };
 

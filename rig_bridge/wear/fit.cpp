@@ -4,12 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <mutex>
-#include <optional>
 
-#include "rig_bridge/wear/fit_starts.hpp"
-#include "rig_bridge/wear/on_threads.hpp"
+#include "rig_bridge/wear/fit_search.hpp"
 
 namespace wear {
 
@@ -81,72 +77,24 @@ void check(const Campaign& campaign, const FitSettings& settings, const FitContr
                                           points, settings.max_components, parameters_of(settings.max_components), points / 6));
 }
 
-/// The best run of one M so far; the first of equals.
-struct Search {
-    std::optional<EmRun> best;
-    int runs = 0;
-    int not_converged = 0;
-
-    bool take(const EmRun& run) {
-        ++runs;
-        if (!run.converged) ++not_converged;
-        if (best && run.log_likelihood <= best->log_likelihood) return false;
-        best = run;
-        return true;
-    }
-};
-
 }  // namespace
 
 Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl& control) {
     check(campaign, settings, control);
     const Scale scale = scale_of(campaign.points);
-    const StandardPoints points = standardised(campaign.points, scale);
-    const std::size_t min = settings.min_components;
-    const std::size_t max = settings.max_components;
-    const auto starts = static_cast<std::size_t>(settings.starts);
-
-    std::vector<EmRun> random((max - min + 1) * starts);
-    std::size_t splits = 0;
-    for (std::size_t m = min; m < max; ++m) splits += 2 * m;
-    std::mutex mutex;
-    std::size_t done = 0;
-    const auto on_all = [&](std::size_t count, const std::function<void(std::size_t)>& job) {
-        run_jobs(control.threads, count, [&](std::size_t i) {
-            if (control.stop.stop_requested()) throw Cancelled();
-            job(i);
-            const std::scoped_lock lock(mutex);
-            ++done;
-            if (control.progress) control.progress(done, random.size() + splits);
-        });
-    };
-    on_all(random.size(), [&](std::size_t job) {
-        const std::size_t m = max - job / starts;  // the long ones first, so that threads end together
-        const std::size_t start = job % starts;
-        constexpr int kSweeps = 10;
-        Generator generator = generator_of(settings.seed, m * 1'000'000'000U + start);
-        random[job] = em(points, random_start(points, m, start % 2 == 0 ? kSweeps : 0, settings.em.covariance_floor, generator), settings.em);
-    });
-    std::vector<Search> found(max + 1);
-    for (std::size_t job = 0; job < random.size(); ++job) found[max - job / starts].take(random[job]);
-
-    // What the best of M - 1 says, with one component split, is a start that random ones seldom find when M is large.
-    for (std::size_t m = min + 1; m <= max; ++m) {
-        const StandardMixture smaller = found[m - 1].best->mixture;
-        std::vector<EmRun> runs(2 * (m - 1));
-        on_all(runs.size(), [&](std::size_t job) { runs[job] = em(points, split(smaller, job / 2, job % 2 == 0), settings.em); });
-        for (const EmRun& run : runs) found[m].take(run);
-    }
+    const std::vector<OrderSearch> found = search_orders(standardised(campaign.points, scale), settings, control);
 
     Fit out;
-    out.orders.reserve(max - min + 1);
+    out.orders.reserve(found.size());
     const double per_point = std::log(scale.c_deviation_J * scale.mu_deviation);
     const auto n = campaign.points.size();
-    for (std::size_t m = min; m <= max; ++m) {
-        const Search& s = found[m];
-        const double log_likelihood = s.best->log_likelihood - static_cast<double>(n) * per_point;
-        out.orders.push_back({m, log_likelihood, bic(log_likelihood, m, n), s.runs, s.not_converged, in_units(s.best->mixture, scale)});
-        if (out.orders.back().bic < out.orders[out.chosen].bic) out.chosen = m - min;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const OrderSearch& s = found[i];
+        const EmRun& best = s.best.front().run;
+        const std::size_t m = best.mixture.components;
+        const double log_likelihood = best.log_likelihood - static_cast<double>(n) * per_point;
+        out.orders.push_back({m, log_likelihood, bic(log_likelihood, m, n), s.runs, s.not_converged, in_units(best.mixture, scale)});
+        if (out.orders.back().bic < out.orders[out.chosen].bic) out.chosen = i;
     }
     return out;
 }

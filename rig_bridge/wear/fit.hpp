@@ -1,5 +1,5 @@
-/// Learns the mixture of eq. (10) from a campaign: for every number of components M many EM runs from random starts, the best of each M
-/// kept, the M with the least BIC chosen.
+/// Learns the mixture of eq. (10) from a campaign: for every number of components M EM from many starts, the best of each M kept, the M with
+/// the least BIC chosen.
 #pragma once
 
 #include <cstddef>
@@ -28,8 +28,8 @@ struct OrderFit {
     std::size_t components = 0;
     double log_likelihood = 0.0;  ///< eq. (13) of the points in SI units, the best of all runs
     double bic = 0.0;
-    int runs = 0;           ///< random starts, and those that split a component of the best for M - 1
-    int not_converged = 0;  ///< of them, stopped by EmSettings::max_iterations
+    int runs = 0;           ///< random starts, and those from the best of M - 1 and M + 1
+    int not_converged = 0;  ///< of them, carried to the end and stopped by EmSettings::max_iterations
     Mixture mixture;
 };
 
@@ -47,7 +47,7 @@ class Cancelled : public std::runtime_error {
 struct FitControl {
     unsigned threads = 1;  ///< at least 1; the result is the same bytes whatever their number
     std::stop_token stop;  ///< looked at before each run; fit() then throws Cancelled
-    /// Runs done and runs in all; calls come from any thread, never two at a time.
+    /// Steps done and steps in all; calls come from any thread, never two at a time.
     std::function<void(std::size_t done, std::size_t all)> progress;
 };
 
