@@ -83,10 +83,10 @@ std::optional<StandardMixture> extrapolated(const StandardMixture& first, const 
     const double length = std::sqrt(steps / changes);
     if (!std::isfinite(length)) return std::nullopt;
     each_parameter([&](double& value, double from, double step, double change) { value = from + length * (2.0 * step + length * change); });
-    constexpr double kLeastWeight = 1e-6;  // the extrapolated one may be below 0
+    constexpr double kMinWeight = 1e-6;  // the extrapolated one may be below 0
     double all = 0.0;
     for (std::size_t j = 0; j < out.components; ++j) {
-        out.weight[j] = std::max(out.weight[j], kLeastWeight);
+        out.weight[j] = std::max(out.weight[j], kMinWeight);
         all += out.weight[j];
         bound_below(out.xx[j], out.xy[j], out.yy[j], floor);
     }
