@@ -20,6 +20,7 @@ class ServePanel {
     /// From the rig's loop, each period: copies numbers; does not wait, and leaves the text to the server's thread.
     void show(const plc::ServedRig& rig, const ServeState& state);
     [[nodiscard]] std::string greeting() const { return server_.greeting(); }
+    [[nodiscard]] int port() const { return server_.port(); }
 
     /// What is told in words.
     struct Facts {

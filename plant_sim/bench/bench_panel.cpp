@@ -1,0 +1,153 @@
+/// What a panel costs the loop of a served rig: without one, with one that nobody looks at, and with 20 viewers, one of whom reads nothing.
+/// In turns, each for two seconds of real time at 1 ms; with SCHED_FIFO where that is allowed, as the programs are run. Table on standard output,
+/// JSON in out/bench/panel.json.
+
+#include <arpa/inet.h>
+#include <fmt/core.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "firmware/host/periodic_timer.hpp"
+#include "firmware/host/realtime.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
+#include "plant_sim/bench/measure.hpp"
+#include "plant_sim/bench/percentiles.hpp"
+#include "plant_sim/plc/load_served_rig.hpp"
+#include "plant_sim/serve_panel.hpp"
+#include "rig_bridge/rig/scenario.hpp"
+
+namespace {
+
+using antiskid::bench::Percentiles;
+
+constexpr int kPeriods = 2000;
+constexpr int kRounds = 5;
+
+/// Looks on until it is destroyed.
+class Viewer {
+  public:
+    Viewer(int port, bool reads) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        sockaddr_in to{
+            .sin_family = AF_INET, .sin_port = htons(static_cast<std::uint16_t>(port)), .sin_addr = {htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
+        if (::connect(socket_.get(), reinterpret_cast<sockaddr*>(&to), sizeof to) != 0) throw std::runtime_error("no connection to the panel");
+        const std::string ask = fmt::format("GET /events HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n\r\n", port);
+        if (::send(socket_.get(), ask.data(), ask.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(ask.size())) throw std::runtime_error("not asked");
+        if (reads) thread_ = std::thread([this] { read(); });
+    }
+    ~Viewer() {
+        ::shutdown(socket_.get(), SHUT_RDWR);
+        if (thread_.joinable()) thread_.join();
+    }
+    Viewer(const Viewer&) = delete;
+    Viewer& operator=(const Viewer&) = delete;
+    [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+
+  private:
+    void read() {
+        std::vector<char> buffer(65536);
+        for (ssize_t count = 1; count > 0;) {
+            count = ::recv(socket_.get(), buffer.data(), buffer.size(), 0);
+            if (count > 0) bytes_ += static_cast<std::uint64_t>(count);
+        }
+    }
+
+    settings::FileDescriptor socket_;
+    std::atomic<std::uint64_t> bytes_{0};
+    std::thread thread_;
+};
+
+/// From the beginning of a period.
+struct Latencies {
+    std::vector<std::int64_t> woken_ns, done_ns;
+};
+
+/// Two seconds of the loop; `panel` may be null. Returns what the machine refuses of its priority.
+std::string run_loop(plc::ServedRig& rig, plant_sim::ServePanel* panel, Latencies& out) {
+    std::string refused;
+    std::thread loop([&] {  // a thread of its own: the panel's must not inherit its priority
+        for (const std::string& one : antiskid::host::enter_realtime({})) refused += one;
+        const plant_sim::ServeState state;
+        antiskid::host::MonotonicClock clock;
+        antiskid::host::PeriodicTimer timer(clock, std::chrono::milliseconds(1));
+        for (int i = 0; i < kPeriods; ++i) {
+            const auto tick = timer.wait();
+            rig.advance(0.0);
+            if (panel != nullptr) panel->show(rig, state);
+            out.woken_ns.push_back(tick.latency.count());
+            out.done_ns.push_back((clock.now() - tick.woke + tick.latency).count());
+        }
+    });
+    loop.join();
+    return refused;
+}
+
+struct Variant {
+    const char* name;
+    bool panel;
+    int viewers;
+    Percentiles woken, done;
+    std::vector<Percentiles> woken_rounds{}, done_rounds{};
+};
+
+nlohmann::ordered_json json_of(const Percentiles& p) {
+    return {{"periods", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
+}
+
+void run_once(plc::ServedRig& rig, Variant& variant, std::string& refused) {
+    std::optional<plant_sim::ServePanel> panel;
+    if (variant.panel) panel.emplace("127.0.0.1:0", "benchmark");
+    std::vector<std::unique_ptr<Viewer>> viewers;
+    for (int i = 0; i < variant.viewers; ++i) viewers.push_back(std::make_unique<Viewer>(panel->port(), i > 0));
+    Latencies latencies;
+    refused = run_loop(rig, panel ? &*panel : nullptr, latencies);
+    for (const auto& viewer : viewers)
+        if (viewer != viewers.front() && viewer->bytes() == 0) throw std::runtime_error("a viewer was shown nothing");
+    variant.woken_rounds.push_back(antiskid::bench::exact(latencies.woken_ns));
+    variant.done_rounds.push_back(antiskid::bench::exact(latencies.done_ns));
+}
+
+int run() {
+    const rig::Scenario scenario = rig::load_scenario("config/scenarios/heavy.toml");
+    plc::ServedRig rig(scenario.rig, plc::load_served_rig("config", plc::Bench::landing), 1);
+    std::vector<Variant> variants{{.name = "no panel", .panel = false, .viewers = 0, .woken = {}, .done = {}},
+                                  {.name = "panel, no viewer", .panel = true, .viewers = 0, .woken = {}, .done = {}},
+                                  {.name = "panel, 20 viewers", .panel = true, .viewers = rig::panel::Server::kViewers, .woken = {}, .done = {}}};
+    std::string refused;
+    for (int round = 0; round < kRounds; ++round)
+        for (Variant& variant : variants) run_once(rig, variant, refused);
+    nlohmann::ordered_json report{{"priority", refused.empty() ? "SCHED_FIFO" : refused}, {"rounds", kRounds}, {"version", ANTISKID_VERSION}};
+    fmt::print("a served rig's period, us from its beginning, medians of {} rounds of {} periods{}{}\n", kRounds, kPeriods,
+               refused.empty() ? "" : "; without priority: ", refused);
+    fmt::print("{:18}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "woken p50", "p99.9", "end p50", "end p99", "end p99.9");
+    for (Variant& variant : variants) {
+        variant.woken = antiskid::bench::median(variant.woken_rounds);
+        variant.done = antiskid::bench::median(variant.done_rounds);
+        fmt::print("{:18}{:10.1f}{:10.1f}{:10.1f}{:10.1f}{:10.1f}\n", variant.name, variant.woken.p50_us, variant.woken.p99_9_us, variant.done.p50_us,
+                   variant.done.p99_us, variant.done.p99_9_us);
+        report["variants"].push_back({{"name", variant.name}, {"woken", json_of(variant.woken)}, {"done", json_of(variant.done)}});
+    }
+    const double ratio = variants.back().done.p99_9_us / variants.front().done.p99_9_us;
+    fmt::print("end of the period at p99.9: with 20 viewers over without a panel {:.3f}\n", ratio);
+    report["p99_9_with_viewers_over_without_panel"] = ratio;
+    settings::write_file("out/bench/panel.json", report.dump(2) + "\n");
+    return 0;
+}
+
+}  // namespace
+
+int main() {
+    return bench::status_of("bench_panel", run);
+}
