@@ -48,7 +48,7 @@ struct FitCommand {
     int run() const {
         wear::Campaign data = load_campaign(source, campaign, off);
         if (!origin.empty()) data.origin = origin;
-        const wear::Fit fit = wear::fit(data, settings, {threads, {}, settings::step_progress("EM runs")});
+        const wear::Fit fit = wear::fit(data, settings, {threads, {}, settings::step_progress("steps")});
         const wear::Model model = wear::model_of(data, fit, settings);
         print_table(json_file, "{}\nLearnt from a brake {}. Between {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model),
                     model.data.origin, model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
