@@ -5,14 +5,14 @@
 #include <string>
 
 #include "firmware/host/settings/command_line.hpp"
-#include "rig_bridge/record/campaign_source.hpp"
+#include "rig_bridge/replay/campaign_source.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
 namespace plant_sim::lab {
 
-using rig::record::load_campaign;
-using rig::record::load_campaigns;
-using rig::record::OutOfTolerance;
+using rig::replay::load_campaign;
+using rig::replay::load_campaigns;
+using rig::replay::OutOfTolerance;
 
 /// --model and --assume-made-up of a verb that judges a brake by others.
 struct PopulationOptions {

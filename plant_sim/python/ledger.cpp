@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "plant_sim/python/arrays.hpp"
-#include "rig_bridge/record/campaign_source.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/specimen.hpp"
+#include "rig_bridge/replay/campaign_source.hpp"
 
 namespace plant_sim::python {
 
@@ -83,7 +83,7 @@ std::vector<double> disc_energies_J(const std::vector<LedgerRow>& rows) {
 }  // namespace
 
 Ledger::Ledger(const std::filesystem::path& where, const std::string& campaign)
-    : file_(rig::record::ledger_at(where)), campaign_(rig::record::chosen_campaign(file_, campaign)) {}
+    : file_(rig::replay::ledger_at(where)), campaign_(rig::replay::chosen_campaign(file_, campaign)) {}
 
 py::dict Ledger::rows() const {
     const std::vector<LedgerRow> rows = [&] {
@@ -119,8 +119,8 @@ py::object Ledger::data_frame() const {
 py::tuple Ledger::wear(bool out_of_tolerance) const {
     const wear::Campaign campaign = [&] {
         const py::gil_scoped_release others_run;
-        using rig::record::OutOfTolerance;
-        return rig::record::load_campaign(file_, campaign_, out_of_tolerance ? OutOfTolerance::taken : OutOfTolerance::left_out);
+        using rig::replay::OutOfTolerance;
+        return rig::replay::load_campaign(file_, campaign_, out_of_tolerance ? OutOfTolerance::taken : OutOfTolerance::left_out);
     }();
     return py::make_tuple(column(campaign.points, [](const wear::Point& p) { return p.c_e_J; }),
                           column(campaign.points, [](const wear::Point& p) { return p.mean_friction; }));

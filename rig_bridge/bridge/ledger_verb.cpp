@@ -5,15 +5,15 @@
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
-#include "rig_bridge/record/campaign_source.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/specimen.hpp"
+#include "rig_bridge/replay/campaign_source.hpp"
 
 namespace rig::bridge {
 
 int amend_ledger(const AmendCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
-    const std::string campaign = record::chosen_campaign(file, command.campaign);
+    const std::string campaign = replay::chosen_campaign(file, command.campaign);
     record::Ledger ledger(file);
     ledger.choose(campaign);
     const double before_J = ledger.cumulative_energy_J();
@@ -26,7 +26,7 @@ int amend_ledger(const AmendCommand& command) {
 
 int note_in_ledger(const NoteCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
-    const std::string campaign = record::chosen_campaign(file, command.campaign);
+    const std::string campaign = replay::chosen_campaign(file, command.campaign);
     const std::string now = iso_8601(std::chrono::system_clock::now());
     record::Ledger ledger(file);
     ledger.choose(campaign);

@@ -82,9 +82,9 @@ class LiveFeed {
 
   private:
     static constexpr double kState_s = 0.1;
-    States states_;
     antiskid::host::SpscRing<LiveSample, 4096> ring_;
     double next_state_s_ = 0.0;
+    States states_;
     std::mutex mutex_;
     std::optional<std::string> state_;
 };

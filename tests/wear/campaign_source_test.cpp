@@ -1,4 +1,4 @@
-#include "rig_bridge/record/campaign_source.hpp"
+#include "rig_bridge/replay/campaign_source.hpp"
 
 #include <unistd.h>
 
@@ -66,20 +66,20 @@ TEST_CASE("a ledger is a campaign", "[WEAR-001]") {
         enter(ledger, "first", 2, "finished", 2.4e6, 0.30);
         enter(ledger, "first", 3, "finished", 3.4e6, 0.29);
     }
-    const wear::Campaign by_file = rig::record::load_campaign(folder / "campaign.sqlite", "");
+    const wear::Campaign by_file = rig::replay::load_campaign(folder / "campaign.sqlite", "");
     REQUIRE(by_file.points.size() == 3);
     CHECK(by_file.points[0] == wear::Point{1.0e6, 0.31});
     // The aborted attempt is no point, but what it took is.
     CHECK(by_file.points[1] == wear::Point{2.4e6, 0.30});
-    CHECK(rig::record::load_campaign(folder.path(), "first").points == by_file.points);
+    CHECK(rig::replay::load_campaign(folder.path(), "first").points == by_file.points);
     {
         rig::record::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
         ledger.open_campaign(campaign("second"), rig::record::IfChanged::reject);
         enter(ledger, "second", 1, "finished", 1.0e6, 0.31);
     }
-    CHECK_THROWS_WITH(rig::record::load_campaign(folder.path(), ""), ContainsSubstring("choose one with --campaign: first, second"));
-    CHECK_THROWS_WITH(rig::record::load_campaign(folder.path(), "second"), ContainsSubstring("one maneuver only"));
-    CHECK_THROWS_WITH(rig::record::load_campaign(folder.path(), "third"), ContainsSubstring("third"));
+    CHECK_THROWS_WITH(rig::replay::load_campaign(folder.path(), ""), ContainsSubstring("choose one with --campaign: first, second"));
+    CHECK_THROWS_WITH(rig::replay::load_campaign(folder.path(), "second"), ContainsSubstring("one maneuver only"));
+    CHECK_THROWS_WITH(rig::replay::load_campaign(folder.path(), "third"), ContainsSubstring("third"));
 }
 
 TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; their energy is not", "[WEAR-001]") {
@@ -91,24 +91,24 @@ TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; th
         enter(ledger, "first", 2, "finished", 3.3e6, 0.22, {"mean_load_N", "length_m"});
         enter(ledger, "first", 3, "finished", 4.3e6, 0.29);
     }
-    const wear::Campaign kept = rig::record::load_campaign(folder.path(), "");
+    const wear::Campaign kept = rig::replay::load_campaign(folder.path(), "");
     CHECK(kept.points == std::vector<wear::Point>{{1.0e6, 0.31}, {4.3e6, 0.29}});
     CHECK(kept.brakings.size() == 2);
     CHECK_THAT(kept.source, ContainsSubstring("1 out of tolerance left out"));
-    const auto taken = rig::record::OutOfTolerance::taken;
-    const wear::Campaign all = rig::record::load_campaign(folder.path(), "", taken);
+    const auto taken = rig::replay::OutOfTolerance::taken;
+    const wear::Campaign all = rig::replay::load_campaign(folder.path(), "", taken);
     CHECK(all.points == std::vector<wear::Point>{{1.0e6, 0.31}, {3.3e6, 0.22}, {4.3e6, 0.29}});
     CHECK_THAT(all.source, !ContainsSubstring("left out"));
-    CHECK(rig::record::load_campaigns({folder.path()}).at(0).points == kept.points);
-    CHECK(rig::record::load_campaigns({folder.path()}, taken).at(0).points == all.points);
+    CHECK(rig::replay::load_campaigns({folder.path()}).at(0).points == kept.points);
+    CHECK(rig::replay::load_campaigns({folder.path()}, taken).at(0).points == all.points);
 }
 
 TEST_CASE("what is no ledger is read as CSV", "[WEAR-001]") {
     const Folder folder("wear_csv");
     std::ofstream(folder / "data.csv") << "cumulative_energy_MJ,mean_friction\n1,0.3\n2,0.29\n";
-    CHECK(rig::record::load_campaign(folder / "data.csv", "").points.size() == 2);
-    CHECK_THROWS_WITH(rig::record::load_campaign(folder / "data.csv", "x"), ContainsSubstring("--campaign is for ledgers"));
-    CHECK_THROWS_AS(rig::record::load_campaign(folder.path(), ""), settings::Error);
+    CHECK(rig::replay::load_campaign(folder / "data.csv", "").points.size() == 2);
+    CHECK_THROWS_WITH(rig::replay::load_campaign(folder / "data.csv", "x"), ContainsSubstring("--campaign is for ledgers"));
+    CHECK_THROWS_AS(rig::replay::load_campaign(folder.path(), ""), settings::Error);
 }
 
 TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is many", "[WEAR-001]") {
@@ -119,16 +119,16 @@ TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is
         enter(ledger, "first", 1, "finished", 1.0e6, 0.31);
         enter(ledger, "first", 2, "finished", 2.4e6, 0.30);
     }
-    CHECK(rig::record::load_campaign(folder.path(), "").points.size() == 2);
+    CHECK(rig::replay::load_campaign(folder.path(), "").points.size() == 2);
     std::filesystem::create_directories(folder / "many");
     std::ofstream(folder / "many/b.csv") << "cumulative_energy_MJ,mean_friction\n1,0.3\n2,0.29\n";
     std::ofstream(folder / "many/a.csv") << "cumulative_energy_MJ,mean_friction\n1,0.4\n2,0.29\n";
-    const auto all = rig::record::load_campaigns({folder / "many", folder.path()});
+    const auto all = rig::replay::load_campaigns({folder / "many", folder.path()});
     REQUIRE(all.size() == 3);
     CHECK(all[0].points[0].mean_friction == 0.4);
     CHECK(all[2].points.size() == 2);
     std::filesystem::create_directories(folder / "none");
-    CHECK_THROWS_AS(rig::record::load_campaigns({folder / "none"}), settings::Error);
+    CHECK_THROWS_AS(rig::replay::load_campaigns({folder / "none"}), settings::Error);
 }
 
 TEST_CASE("nobody's brake is judged by made-up ones unless that is asked for", "[WEAR-071]") {
@@ -185,7 +185,7 @@ TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, wit
         enter(ledger, "first", 3, "finished", 3.5e6, 0.36);
         enter(ledger, "first", 4, "finished", 4.5e6, 0.35);
     }
-    const wear::Campaign read = rig::record::load_campaign(folder.path(), "");
+    const wear::Campaign read = rig::replay::load_campaign(folder.path(), "");
     CHECK(read.disc == "D8");
     CHECK(read.points == std::vector<wear::Point>{{1.5e6, 0.36}, {2.5e6, 0.35}});
     CHECK_THAT(read.source, ContainsSubstring("(brake '', disc 'D8'; 2 maneuvers of others left out)"));

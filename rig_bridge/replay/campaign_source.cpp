@@ -1,4 +1,4 @@
-#include "rig_bridge/record/campaign_source.hpp"
+#include "rig_bridge/replay/campaign_source.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,9 @@
 #include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
-namespace rig::record {
+namespace rig::replay {
+
+using record::LedgerRow;
 
 namespace {
 
@@ -26,20 +28,20 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     const std::string name = chosen_campaign(ledger, wanted);
     wear::Campaign out;
     out.source = fmt::format("{}, campaign {}", ledger.string(), name);
-    const std::vector<LedgerRow> rows = read_ledger(ledger, name);
+    const std::vector<LedgerRow> rows = record::read_ledger(ledger, name);
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
     std::size_t left_out = 0, of_others = 0;
-    DiscEnergy taken;
+    record::DiscEnergy taken;
     if (!rows.empty()) {
         out.brake = rows.back().summary.specimen.brake;
         out.disc = rows.back().summary.specimen.disc;
     }
     for (const LedgerRow& row : rows) {
-        const Specimen& parts = row.summary.specimen;
+        const record::Specimen& parts = row.summary.specimen;
         const double disc_J = row.has_figures ? taken.after(parts, row.summary.cumulative_energy_J) : 0.0;
-        if (row.state != RowState::finished) continue;
-        if (off == OutOfTolerance::left_out && off_conditions(row.summary)) {
+        if (row.state != record::RowState::finished) continue;
+        if (off == OutOfTolerance::left_out && record::off_conditions(row.summary)) {
             ++left_out;
             continue;
         }
@@ -47,7 +49,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
             ++of_others;
             continue;
         }
-        const Figures& f = row.summary.figures;
+        const record::Figures& f = row.summary.figures;
         out.points.push_back({disc_J, f.mean_friction});
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
@@ -68,11 +70,12 @@ std::filesystem::path ledger_at(const std::filesystem::path& where) {
 }
 
 std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
-    const std::vector<Campaign> all = read_campaigns(ledger);  // in any case: whoever opens a ledger to write makes it where there is none
+    const std::vector<record::Campaign> all =
+        record::read_campaigns(ledger);  // in any case: whoever opens a ledger to write makes it where there is none
     if (!wanted.empty()) return wanted;
     if (all.size() == 1) return all.front().name;
     std::string names;
-    for (const Campaign& c : all) {
+    for (const record::Campaign& c : all) {
         names += names.empty() ? "" : ", ";
         names += c.name;
     }
@@ -107,4 +110,4 @@ std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::pa
     return campaigns;
 }
 
-}  // namespace rig::record
+}  // namespace rig::replay

@@ -8,7 +8,7 @@
 
 #include "rig_bridge/wear/wear_campaign.hpp"
 
-namespace rig::record {
+namespace rig::replay {
 
 /// What becomes of maneuvers that finished outside their scenario's bands. Left out, they are still in the cumulative energy.
 enum class OutOfTolerance : std::uint8_t { left_out, taken };
@@ -32,4 +32,4 @@ enum class OutOfTolerance : std::uint8_t { left_out, taken };
 [[nodiscard]] std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::path>& sources,
                                                          OutOfTolerance off = OutOfTolerance::left_out);
 
-}  // namespace rig::record
+}  // namespace rig::replay
