@@ -36,10 +36,10 @@ class ServePanel {
   private:
     [[nodiscard]] std::optional<std::string> states();
 
+    rig::panel::LiveFeed feed_;
     double next_s_ = 0.0;  // when facts are due
     std::mutex mutex_;     // over the next
     std::optional<Facts> facts_;
-    rig::panel::LiveFeed feed_;
     rig::panel::Server server_;
 };
 

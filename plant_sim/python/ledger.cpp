@@ -74,6 +74,7 @@ const std::array<Field, 15> kTail{{
 /// Of its cumulative energy, what the brake and disc of each row have taken.
 std::vector<double> disc_energies_J(const std::vector<LedgerRow>& rows) {
     std::vector<double> energies_J;
+    energies_J.reserve(rows.size());
     rig::record::DiscEnergy taken;
     for (const LedgerRow& row : rows)
         energies_J.push_back(row.has_figures ? taken.after(row.summary.specimen, row.summary.cumulative_energy_J) : known(row, 0.0));
