@@ -16,21 +16,13 @@ sys.path.insert(0, sys.argv[1])
 import numpy  # noqa: E402
 
 import antiskid  # noqa: E402
+from refused import refused  # noqa: E402
 
 LAB, BRIDGE = sys.argv[2:4]
 
 
 def said(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
-
-
-def refused(kind, words, call):
-    try:
-        call()
-    except kind as error:
-        assert words in str(error), error
-    else:
-        raise AssertionError(f"not refused: {words}")
 
 
 def same(value, stated):

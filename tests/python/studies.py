@@ -15,6 +15,7 @@ sys.path.insert(0, sys.argv[1])
 import numpy  # noqa: E402
 
 import antiskid  # noqa: E402
+from refused import refused  # noqa: E402
 
 LAB = sys.argv[2]
 
@@ -38,15 +39,6 @@ def same_table(columns, rows):
             stated = row[name]
             assert value == stated if column.dtype == object else value == int(stated) if column.dtype.kind in "iu" else \
                 value == float(stated or "nan") or (numpy.isnan(value) and not stated), f"{name}: {value!r} instead of {stated!r}"
-
-
-def refused(kind, words, call):
-    try:
-        call()
-    except kind as error:
-        assert words in str(error), error
-    else:
-        raise AssertionError(f"not refused: {words}")
 
 
 def driven(folder):
