@@ -207,10 +207,10 @@ TEST_CASE("more components never explain less", "[WEAR-003]") {
     for (std::size_t i = 1; i < fit.orders.size(); ++i) CHECK(fit.orders[i].log_likelihood > fit.orders[i - 1].log_likelihood - 1e-3);
 }
 
-TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50 draws of 500 points", "[WEAR-003]") {
+TEST_CASE("BIC finds the four components of a known mixture in nine of ten draws of 500 points", "[WEAR-003]") {
     // M up to 8 and 3 starts each (and the splits) to 1e-6, instead of 15, 100 and 1e-8.
     int four = 0;
-    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    for (std::uint64_t seed = 1; seed <= std::uint64_t{DRAWS}; ++seed) {
         wear::Generator generator = wear::generator_of(seed, 99);
         wear::FitSettings settings = small(8, 3);
         settings.seed = seed;
@@ -218,7 +218,7 @@ TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50
         four += wear::fit(known::drawn(known::four(), 500, generator), settings).best().components == 4 ? 1 : 0;
     }
     CAPTURE(four);
-    CHECK(four >= 45);
+    CHECK(10 * four >= 9 * DRAWS);
 }
 
 TEST_CASE("no component collapses onto points or a line", "[WEAR-003]") {

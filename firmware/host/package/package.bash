@@ -23,10 +23,10 @@ package() {
         find "$root" -path "$root/build" -prune -o -path "$root/out" -prune -o -type f -printf '%T@\n' | sort -n | tail -n 1 | cut -d . -f 1)
     export SOURCE_DATE_EPOCH
     setup product help2man dpkg-dev file pybind11-dev
-    build package
+    build release antiskid-controller rig-bridge rig-replay virtual-rig rig-lab python_module man_pages
     say "package"
-    (cd "$root/build/package" && cpack -G DEB -B "$root/build/package/deb") >"$root/build/package/cpack.log" 2>&1 ||
-        { cat "$root/build/package/cpack.log" >&2; return 1; }
-    mv "$root"/build/package/deb/*.deb "$out"
+    (cd "$root/build/release" && cpack -G DEB -B "$root/build/release/deb") >"$root/build/release/cpack.log" 2>&1 ||
+        { cat "$root/build/release/cpack.log" >&2; return 1; }
+    mv "$root"/build/release/deb/*.deb "$out"
     (cd "$out" && sha256sum ./*.deb)
 }
