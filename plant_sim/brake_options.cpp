@@ -34,7 +34,7 @@ void add_rule_options(CLI::App& app, wear::ConditionalRule& rule) {
     settings::add_choice(app, "--variance", rule.variance, {{"exact", wear::Variance::exact}, {"printed", wear::Variance::printed}},
                          "exact: (1 - rho^2) sigma_b^2; printed: (1 - rho) sigma_b^2 as in the paper's eq. (14)");
     settings::add_choice(app, "--component", rule.choice, {{"nearest", wear::Choice::nearest}, {"mixture", wear::Choice::mixture}},
-                         "nearest: of the component nearest in energy (the paper); mixture: the exact conditional");
+                         "mixture: all components by their weight at this energy; nearest: the one nearest in energy, as in the paper");
 }
 
 void BrakeOptions::add_to(CLI::App& app) {

@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "firmware/can/roles.hpp"
@@ -46,20 +48,20 @@ RigNode::Cycle RigNode::next_cycle(bool with_sync) {
 
 bool RigNode::send_all(const Cycle& cycle, Time patience, const std::atomic<bool>& stop) {
     const Time deadline = clock_.now() + patience;
-    for (std::size_t i = 0; i < cycle.count; ++i) {
-        while (!bus_.send(cycle.frames[i])) {
-            if (!bus_.status().up || stop || clock_.now() >= deadline) return false;
-            clock_.sleep_until(clock_.now() + kMillisecond / 10);
-        }
-        ++result_.frames_sent;
+    for (auto left = std::span(cycle.frames).first(cycle.count);;) {
+        const std::size_t taken = bus_.send_all(left);
+        result_.frames_sent += taken;
+        left = left.subspan(taken);
+        if (left.empty()) return true;
+        if (!bus_.status().up || stop || clock_.now() >= deadline) return false;
+        clock_.sleep_until(clock_.now() + kMillisecond / 10);
     }
-    return true;
 }
 
-void RigNode::receive() {
+void RigNode::receive(Time timeout) {
     std::array<Frame, 32> frames{};
-    for (std::size_t count = frames.size(); count == frames.size();) {
-        count = bus_.receive(frames);
+    for (std::size_t count = frames.size(); count == frames.size(); timeout = {}) {
+        count = timeout > Time{} ? bus_.receive_within(timeout, frames) : bus_.receive(frames);
         for (std::size_t i = 0; i < count; ++i) port_.accept(frames[i]);
         result_.frames_received += count;
     }
@@ -68,14 +70,11 @@ void RigNode::receive() {
 
 bool RigNode::wait_for_answer(std::uint64_t answers, Time timeout, const std::atomic<bool>& stop) {
     const Time deadline = clock_.now() + timeout;
-    receive();
-    while (port_.stats(Role::valve).accepted < answers) {
-        const Time left = deadline - clock_.now();
-        if (left.count() <= 0 || stop || !bus_.status().up) return false;
-        bus_.wait(left < kRepeat ? left : kRepeat);
-        receive();
+    for (Time left = timeout;; left = deadline - clock_.now()) {
+        receive(std::min(left, kRepeat));
+        if (port_.stats(Role::valve).accepted >= answers) return true;
+        if (left <= Time{} || stop || !bus_.status().up) return false;
     }
-    return true;
 }
 
 NodeResult RigNode::finish(Ending ending, std::string reason) {
@@ -158,12 +157,9 @@ NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, c
             result_.overruns += tick.skipped;
         }
         const Cycle cycle = next_cycle(false);
-        for (std::size_t i = 0; i < cycle.count; ++i) {
-            if (bus_.send(cycle.frames[i]))
-                ++result_.frames_sent;
-            else
-                ++result_.frames_lost;
-        }
+        const std::size_t taken = bus_.send_all(std::span(cycle.frames).first(cycle.count));
+        result_.frames_sent += taken;
+        result_.frames_lost += cycle.count - taken;
     }
     return finish_run();
 }

@@ -57,7 +57,8 @@ class RigNode {
     [[nodiscard]] Cycle next_cycle(bool with_sync);
     /// All frames of a cycle, waiting for room in the queue where it must; false when the link takes no more.
     bool send_all(const Cycle& cycle, antiskid::control::Time patience, const std::atomic<bool>& stop);
-    void receive();
+    /// What has arrived; where nothing has, the first to arrive within `timeout`.
+    void receive(antiskid::control::Time timeout = {});
     bool wait_for_answer(std::uint64_t answers, antiskid::control::Time timeout, const std::atomic<bool>& stop);
     NodeResult finish(Ending ending, std::string reason);
     NodeResult finish_link_down();

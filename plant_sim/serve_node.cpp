@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "firmware/can/roles.hpp"
@@ -32,16 +33,19 @@ ServeNode::ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, a
 void ServeNode::send_sample() {
     std::array<Frame, antiskid::can::RigPort::kMaxFrames> frames{};
     const std::size_t due = port_.due_frames(rig_.sample(), frames);
-    for (std::size_t i = 0; i < due; ++i) {
-        if (!bus_.send(frames[i])) ++state_.frames_lost;
-    }
+    state_.frames_lost += due - bus_.send_all(std::span(frames).first(due));
 }
 
-/// A SYNC that finds the queue full is worth waiting for: without it the controller would not step.
-void ServeNode::send_sync(const std::atomic<bool>& stop) {
-    const Frame frame = port_.sync(sync_++);
+/// With the sample in one call. A SYNC that finds the queue full is worth waiting for: without it the controller would not step.
+void ServeNode::send_sample_and_sync(const std::atomic<bool>& stop) {
+    std::array<Frame, antiskid::can::RigPort::kMaxFrames + 1> frames{};
+    const std::size_t due = port_.due_frames(rig_.sample(), frames);
+    const Frame& sync = frames[due] = port_.sync(sync_++);
+    const std::size_t taken = bus_.send_all(std::span(frames).first(due + 1));
+    if (taken > due) return;
+    state_.frames_lost += due - taken;
     const Time deadline = clock_.now() + answer_timeout_;
-    while (!bus_.send(frame)) {
+    while (!bus_.send(sync)) {
         if (!bus_.status().up || stop || clock_.now() >= deadline) {
             ++state_.frames_lost;
             return;
@@ -50,10 +54,10 @@ void ServeNode::send_sync(const std::atomic<bool>& stop) {
     }
 }
 
-void ServeNode::receive() {
+void ServeNode::receive(Time timeout) {
     std::array<Frame, 32> frames{};
-    for (std::size_t count = frames.size(); count == frames.size();) {
-        count = bus_.receive(frames);
+    for (std::size_t count = frames.size(); count == frames.size(); timeout = {}) {
+        count = timeout > Time{} ? bus_.receive_within(timeout, frames) : bus_.receive(frames);
         for (std::size_t i = 0; i < count; ++i) port_.accept(frames[i]);
     }
     state_.link_up = bus_.status().up;
@@ -61,12 +65,9 @@ void ServeNode::receive() {
 
 void ServeNode::await_answer(const std::atomic<bool>& stop) {
     const Time deadline = clock_.now() + answer_timeout_;
-    receive();
-    while (port_.stats(Role::valve).accepted == commands_ && state_.link_up && !stop) {
-        const Time left = deadline - clock_.now();
-        if (left.count() <= 0) break;
-        bus_.wait(left);
-        receive();
+    for (Time left = answer_timeout_; left > Time{}; left = deadline - clock_.now()) {
+        receive(left);
+        if (port_.stats(Role::valve).accepted != commands_ || !state_.link_up || stop) return;
     }
 }
 
@@ -97,9 +98,9 @@ void ServeNode::begin_together(const std::atomic<bool>& stop) {
     std::size_t count = port_.due_frames(rig_.sample(), frames);
     frames[count++] = port_.sync(sync_++);
     while (port_.stats(Role::valve).accepted == commands_ && !stop) {
-        for (std::size_t i = 0; i < count; ++i) (void)bus_.send(frames[i]);
-        for (const Time end = clock_.now() + kResendAfter; port_.stats(Role::valve).accepted == commands_ && clock_.now() < end && !stop; receive())
-            bus_.wait(end - clock_.now());
+        (void)bus_.send_all(std::span(frames).first(count));
+        for (const Time end = clock_.now() + kResendAfter; port_.stats(Role::valve).accepted == commands_ && clock_.now() < end && !stop;)
+            receive(end - clock_.now());
     }
 }
 
@@ -147,8 +148,7 @@ void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout,
     bool silent = !bridge_.together;
     Time next = clock_.now();
     while (!stop) {
-        send_sample();
-        send_sync(stop);
+        send_sample_and_sync(stop);
         if (silent)
             receive();
         else

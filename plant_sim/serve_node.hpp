@@ -71,8 +71,9 @@ class ServeNode {
 
   private:
     void send_sample();
-    void send_sync(const std::atomic<bool>& stop);
-    void receive();
+    void send_sample_and_sync(const std::atomic<bool>& stop);
+    /// What has arrived; where nothing has, the first to arrive within `timeout`.
+    void receive(antiskid::control::Time timeout = {});
     void await_answer(const std::atomic<bool>& stop);
     void await_bridge(const std::atomic<bool>& stop);
     void begin_together(const std::atomic<bool>& stop);

@@ -167,7 +167,7 @@ int run(const Options& o, const plant_sim::StopInputs& s) {
         settings::write_file(o.out / "trajectory.csv", trajectory.csv());
         settings::write_file(o.out / "result.json", study::to_json(report));
     }
-    if (!o.picture.empty()) pictures::draw_stop(trajectory.csv(), o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
+    if (!o.picture.empty()) pictures::draw_stop(trajectory.rows(), o.picture, s.title(o.scenario), session.pilot().brake_on_s());
     // A maneuver that never reached its brake-on wears nothing and is none.
     const double taken_J = session.rig().wheel().energy_brake_J;
     if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);

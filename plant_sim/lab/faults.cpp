@@ -89,7 +89,7 @@ struct FaultsCommand {
         const std::string what = faults::describe(campaign, c);
         if (pictures) {
             const study::ManeuverPlan& maneuver = campaign.maneuver;
-            pictures::draw_stop(course.csv(), out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
+            pictures::draw_stop(course.rows(), out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
         }
         print_table(json_file, "{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
         return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;

@@ -29,10 +29,10 @@ struct StopCommand {
             if (!notice.empty()) fmt::print(stderr, "rig-lab: {}\n", notice);
         }
         const bool along_runway = !s.plant.rig.runway.patches.empty();
-        study::Trajectory rows(along_runway);
+        study::Trajectory course(along_runway);
         std::string log;
         const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double current_mA) {
-            if (!trajectory.empty() || !picture.empty()) rows.record(session, view, current_mA);
+            if (!trajectory.empty() || !picture.empty()) course.record(session, view, current_mA);
         };
         const auto on_frame = [&](const antiskid::can::Frame& frame) {
             if (bus_log.empty()) return;
@@ -49,9 +49,8 @@ struct StopCommand {
         if (json != "-") fmt::print("{}", study::to_table(report));
         if (!json.empty()) settings::deliver(json, study::to_json(report));
         if (!bus_log.empty()) settings::deliver(bus_log, log);
-        if (!trajectory.empty()) settings::deliver(trajectory, rows.csv());
-        if (!picture.empty())
-            pictures::draw_stop(rows.csv(), picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
+        if (!trajectory.empty()) settings::deliver(trajectory, course.csv());
+        if (!picture.empty()) pictures::draw_stop(course.rows(), picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s);
         s.keep_brake(scenario, result.figures.energy_brake_J);
         return result.came_to_rest ? 0 : 1;
     }

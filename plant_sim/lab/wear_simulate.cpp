@@ -146,7 +146,7 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
     verb->footer(
         "Examples:\n"
         "  rig-lab wear simulate out/endurance-1 --model out/wear/model.json\n"
-        "  rig-lab wear simulate measured.csv --model out/wear/model.json --replay energy --component mixture");
+        "  rig-lab wear simulate measured.csv --model out/wear/model.json --replay energy --component nearest");
     return {verb, [simulate] { return simulate->run(); }};
 }
 

@@ -38,7 +38,7 @@ std::filesystem::path folder(const BridgeSetup& setup) {
 
 void draw(const std::filesystem::path& place, const std::filesystem::path& picture, const std::string& title, const Trace& trace) {
     settings::write_file(place / "trajectory.csv", trace.csv());
-    pictures::draw_stop(trace.csv(), picture, title, trace.brake_on_s());
+    pictures::draw_stop(trace.rows(), picture, title, trace.brake_on_s());
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "rig_bridge/bridge/node.hpp"
+#include "rig_bridge/pictures/stop_picture.hpp"
 
 namespace rig::bridge {
 
@@ -13,19 +15,22 @@ class Trace {
   public:
     void record(const Moment& moment);
 
-    /// Time since touchdown began; the columns of a stop's picture (rig_bridge/pictures/stop_picture.hpp), load and torque.
+    /// Time since touchdown began.
+    [[nodiscard]] std::span<const pictures::StopRow> rows() const { return rows_; }
+    /// The same rows with load and torque.
     [[nodiscard]] std::string csv() const;
     /// On the same clock; 0 without brake-on.
     [[nodiscard]] double brake_on_s() const { return brake_on_s_.value_or(0.0); }
     [[nodiscard]] bool empty() const { return rows_.empty(); }
 
   private:
-    struct Row {
-        double time_s, rim_mps, wheel_mps, slip, slip_reference, demand_Pa, pressure_Pa, load_N, torque_Nm;
+    struct Load {
+        double load_N, torque_Nm;
     };
     double began_s_ = 0.0;
     std::optional<double> brake_on_s_;
-    std::vector<Row> rows_;
+    std::vector<pictures::StopRow> rows_;
+    std::vector<Load> loads_;
 };
 
 }  // namespace rig::bridge

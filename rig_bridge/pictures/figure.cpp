@@ -117,7 +117,7 @@ std::string plotted(const std::string& name, const Series& s) {
 std::string script(const Figure& figure) {
     const std::size_t columns = static_cast<std::size_t>(figure.columns);
     std::string out = fmt::format(
-        "set termoption noenhanced\nset autoscale fix\nset lmargin 11\nset rmargin 3\nset key bmargin center horizontal Left reverse samplen 2 width "
+        "set termoption noenhanced\nset autoscale fix\nset lmargin 11\nset rmargin 3\nset key tmargin center horizontal Left reverse samplen 2 width "
         "1\n"
         "set multiplot layout {},{} title {}\n",
         (figure.charts.size() + columns - 1) / columns, columns, gnuplot_quoted(figure.title));
@@ -132,7 +132,7 @@ std::string script(const Figure& figure) {
         out += "unset arrow\n";
         for (const double x : chart.marks)
             out += fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead dt 3 lc rgb '#555555'\n", x);
-        fmt::format_to(std::back_inserter(out), "{}\nset title {}\nset xlabel {} offset 0,0.6\nset ylabel {}\nset xrange {}\nset yrange {}\n{}\n",
+        fmt::format_to(std::back_inserter(out), "{}\nset title {}\nset xlabel {} offset 0,0.4\nset ylabel {}\nset xrange {}\nset yrange {}\n{}\n",
                        chart.logarithmic_x ? "set logscale x\nset offsets 0, 0, 0, 0" : "unset logscale x\nset offsets 0, 0, graph 0.06, graph 0.06",
                        gnuplot_quoted(chart.title), gnuplot_quoted(chart.x_label), gnuplot_quoted(chart.y_label), range_text(chart.x_range),
                        range_text(chart.y_range), plots);

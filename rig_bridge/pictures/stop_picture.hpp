@@ -2,14 +2,25 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
-#include <string_view>
 
 namespace pictures {
 
-/// Draws `csv`, a trajectory as text (as Trajectory writes it), into `png`; the vertical line marks `brake_on_s`. With `along_runway`, for one
-/// that has the columns of a runway, also friction, available and used, over its length. The picture is whole or not there. Throws
-/// std::runtime_error when gnuplot is not installed or fails, with what it said.
-void draw_stop(std::string_view csv, const std::filesystem::path& png, const std::string& title, double brake_on_s, bool along_runway = false);
+/// A moment of a stop.
+struct StopRow {
+    double time_s, speed_mps, wheel_rim_speed_mps, slip, slip_reference, demand_Pa, pressure_Pa;
+
+    /// On the runway: metres from touchdown, friction that is used and that is available at this speed. With load on the wheel alone.
+    struct Friction {
+        double runway_m, mu, mu_max;
+    };
+    std::optional<Friction> friction = std::nullopt;
+};
+
+/// Draws the course of a stop into `png`; the vertical line marks `brake_on_s`. Where rows have it, also friction over the runway. The picture is
+/// whole or not there. Throws std::runtime_error when gnuplot is not installed or fails, with what it said.
+void draw_stop(std::span<const StopRow> course, const std::filesystem::path& png, const std::string& title, double brake_on_s);
 
 }  // namespace pictures

@@ -10,12 +10,13 @@ namespace wear {
 /// The printed eq. (14) has the variance (1 - rho) sigma_b^2; that of a bivariate normal is (1 - rho^2) sigma_b^2.
 enum class Variance { exact, printed };
 
-/// The component whose mean is nearest on the energy axis (the paper), or every component j, weighted by w_j N(a; c_j, sigma_cj^2) (exact).
+/// The component whose mean is nearest on the energy axis (the paper; it jumps where components meet), or every component j, weighted by
+/// w_j N(a; c_j, sigma_cj^2) (exact).
 enum class Choice { nearest, mixture };
 
 struct ConditionalRule {
     Variance variance = Variance::exact;
-    Choice choice = Choice::nearest;
+    Choice choice = Choice::mixture;
     bool operator==(const ConditionalRule&) const = default;
 };
 

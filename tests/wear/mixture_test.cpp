@@ -128,7 +128,9 @@ TEST_CASE("for one component eq. (14) with 1 - rho^2 is exact, the printed 1 - r
 
 TEST_CASE("nearest asks the component whose mean is nearest in energy, mixture all of them", "[WEAR-009]") {
     const Mixture mixture = known::four();
-    const auto nearest = [&](double a_MJ) { return wear::friction_given_energy(mixture, a_MJ * 1e6, {}); };
+    const auto nearest = [&](double a_MJ) {
+        return wear::friction_given_energy(mixture, a_MJ * 1e6, {wear::Variance::exact, wear::Choice::nearest});
+    };
     REQUIRE(nearest(224.0).terms.size() == 1);
     // Between 130 and 320 MJ the middle is 225 MJ, however wide the components are.
     CHECK(nearest(224.9).mean() == Approx(0.262 - 0.70 * 0.006 / 40.0 * 94.9));
