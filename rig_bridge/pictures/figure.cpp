@@ -119,7 +119,7 @@ std::string script(const Figure& figure) {
     std::string out = fmt::format(
         "set termoption noenhanced\nset autoscale fix\nset lmargin 11\nset rmargin 3\nset key tmargin center horizontal Left reverse samplen 2 width "
         "1\n"
-        "set multiplot layout {},{} title {}\n",
+        "set multiplot layout {},{} title {}.\"\\n\"\n",
         (figure.charts.size() + columns - 1) / columns, columns, gnuplot_quoted(figure.title));
     for (std::size_t c = 0; c < figure.charts.size(); ++c) {
         const Chart& chart = figure.charts[c];

@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#include "firmware/host/settings/atomic_file.hpp"
 
 namespace pictures {
 
@@ -50,7 +50,8 @@ std::string gnuplot_block(std::string_view name, std::string_view rows) {
 }
 
 void run_gnuplot(const std::filesystem::path& png, int width, int height, const std::string& commands) {
-    const std::filesystem::path says = png.string() + ".gnuplot-says";
+    // A file, not a pipe: where gnuplot is missing or ends early, a pipe's reader is gone, and SIGPIPE would end this program.
+    const fs::path script = png.string() + ".gnuplot";
     const std::array<std::pair<fs::path, const char*>, 2> pictures{
         {{png, "pngcairo"}, {fs::path(png).replace_extension(".svg"), "svg background '#ffffff'"}}};
     std::string all;
@@ -60,14 +61,14 @@ void run_gnuplot(const std::filesystem::path& png, int width, int height, const 
             "lc rgb '#555555'\n{}\n"
             "set output\n",
             terminal, width, height, gnuplot_quoted(aside(picture).string()), commands);
-    std::FILE* gnuplot = ::popen(("gnuplot >" + shell_quoted(says.string()) + " 2>&1").c_str(), "w");
+    settings::write_file(script, all);
+    std::FILE* gnuplot = ::popen(("gnuplot " + shell_quoted(script.string()) + " 2>&1").c_str(), "r");
     if (gnuplot == nullptr) throw std::runtime_error("cannot start gnuplot");
-    std::fwrite(all.data(), 1, all.size(), gnuplot);
+    std::string output;
+    for (int c = std::fgetc(gnuplot); c != EOF; c = std::fgetc(gnuplot)) output.push_back(static_cast<char>(c));
     const int status = ::pclose(gnuplot);
-    std::ifstream said(says);
-    const std::string output((std::istreambuf_iterator<char>(said)), std::istreambuf_iterator<char>());
     std::error_code ignored;
-    fs::remove(says, ignored);
+    fs::remove(script, ignored);
     for (const auto& [picture, terminal] : pictures) {
         if (status == 0)
             fs::rename(aside(picture), picture);

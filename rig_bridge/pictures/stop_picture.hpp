@@ -10,7 +10,13 @@ namespace pictures {
 
 /// A moment of a stop.
 struct StopRow {
-    double time_s, speed_mps, wheel_rim_speed_mps, slip, slip_reference, demand_Pa, pressure_Pa;
+    double time_s = 0.0;
+    double speed_mps = 0.0;
+    double wheel_rim_speed_mps = 0.0;
+    double slip = 0.0;
+    double slip_reference = 0.0;
+    double demand_Pa = 0.0;
+    double pressure_Pa = 0.0;
 
     /// On the runway: metres from touchdown, friction that is used and that is available at this speed. With load on the wheel alone.
     struct Friction {

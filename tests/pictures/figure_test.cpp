@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -91,4 +92,13 @@ TEST_CASE("what gnuplot says reaches whoever asked for a picture, and nothing is
     const TempDir dir;
     CHECK_THROWS_WITH(pictures::run_gnuplot(dir.path() / "f.png", 100, 100, "plot nonsense"), ContainsSubstring("nonsense"));
     CHECK(std::filesystem::is_empty(dir.path()));
+    // More than a pipe holds, into a folder that is not there yet.
+    const std::string much = "$d << EOD\n" + std::string(200'000, ' ') + "\n1\nEOD\nplot $d\n";
+    pictures::run_gnuplot(dir.path() / "made" / "f.png", 100, 100, much);
+    CHECK(std::filesystem::exists(dir.path() / "made" / "f.svg"));
+    const std::string path = std::getenv("PATH");
+    ::setenv("PATH", dir.path().c_str(), 1);
+    CHECK_THROWS_WITH(pictures::run_gnuplot(dir.path() / "g.png", 100, 100, much), ContainsSubstring("is gnuplot-nox installed?"));
+    ::setenv("PATH", path.c_str(), 1);
+    CHECK_FALSE(std::filesystem::exists(dir.path() / "g.png.gnuplot"));
 }
