@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rig_bridge/pictures/figure.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace pictures {
 
