@@ -47,7 +47,7 @@ struct SocketCanOptions {
 class SocketCan final : public Bus {
   public:
     static constexpr std::size_t kBatch = 32;
-    static constexpr std::size_t kMaxSent = 16;  ///< in one call of send_all(); the rest is given up
+    static constexpr std::size_t kMaxSent = 16;  ///< in one call of send_all(), a rig's period has 9 at most; the rest is given up
 
     /// `ids`: the identifiers to receive; none: error frames only. Throws std::runtime_error naming the
     /// interface and the command that mends it when the interface is absent, down or no CAN, or the kernel

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +15,7 @@ class Trace {
     void record(const Moment& moment);
 
     /// Time since touchdown began.
-    [[nodiscard]] std::span<const pictures::StopRow> rows() const { return rows_; }
+    [[nodiscard]] std::vector<pictures::StopRow> rows() const;
     /// The same rows with load and torque.
     [[nodiscard]] std::string csv() const;
     /// On the same clock; 0 without brake-on.
@@ -24,13 +23,14 @@ class Trace {
     [[nodiscard]] bool empty() const { return rows_.empty(); }
 
   private:
-    struct Load {
-        double load_N, torque_Nm;
+    struct Row {
+        pictures::StopRow stop;
+        double load_N = 0.0;
+        double torque_Nm = 0.0;
     };
     double began_s_ = 0.0;
     std::optional<double> brake_on_s_;
-    std::vector<pictures::StopRow> rows_;
-    std::vector<Load> loads_;
+    std::vector<Row> rows_;
 };
 
 }  // namespace rig::bridge
