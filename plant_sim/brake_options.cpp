@@ -38,13 +38,21 @@ void add_rule_options(CLI::App& app, wear::ConditionalRule& rule) {
 }
 
 void BrakeOptions::add_to(CLI::App& app) {
-    app.add_option("--brake", brake,
-                   "mean friction drawn by the wear model of [brake.wear]: new, worn (at the end of its life), or what it has taken so far in MJ")
+    app.add_option("--brake", brake, "mean friction as [brake.wear] says: new, worn (at the end of its life), or what it has taken so far in MJ")
         ->check(CLI::Validator(check_brake, ""))
         ->type_name("new|worn|MJ");
     app.add_option("--brake-state", state, "the brake from one run to the next: read at the start where it is there, written after each maneuver")
         ->type_name("FILE");
     add_rule_options(app, rule);
+    for (const char* option : {"--variance", "--component"})
+        app.get_option(option)
+            ->each([this](const std::string&) { by_model = true; })
+            ->group("Friction drawn from the model of [brake.wear], eq. (14), and not by its law");
+}
+
+wear::BrakeWear BrakeOptions::asked_of(wear::BrakeWear rig) const {
+    if (by_model) rig.law.reset();
+    return rig;
 }
 
 double BrakeOptions::taken_J(const wear::BrakeWear& wear) const {
@@ -52,7 +60,8 @@ double BrakeOptions::taken_J(const wear::BrakeWear& wear) const {
     return brake == "worn" ? wear.life_J : energy_J(brake).value();
 }
 
-wear::WearingBrake BrakeOptions::brake_of(const wear::BrakeWear& wear, std::uint64_t seed) const {
+wear::WearingBrake BrakeOptions::brake_of(const wear::BrakeWear& rig, std::uint64_t seed) const {
+    const wear::BrakeWear wear = asked_of(rig);
     if (!state.empty()) {
         if (const auto kept = wear::find_brake_state(state, wear)) {
             if (!brake.empty())

@@ -17,15 +17,18 @@ struct BrakeOptions {
     std::string brake;            ///< new, worn, or the energy taken so far in MJ; empty: not said
     std::filesystem::path state;  ///< empty: none is kept
     wear::ConditionalRule rule;
+    bool by_model = false;  ///< --variance or --component: friction is drawn from the model, eq. (14), whatever law the rig's brake has
 
     void add_to(CLI::App& app);
     /// Whether a wearing brake was asked for.
     [[nodiscard]] bool given() const { return !brake.empty() || !state.empty(); }
+    /// The rig's, without its law where eq. (14) was asked for.
+    [[nodiscard]] wear::BrakeWear asked_of(wear::BrakeWear rig) const;
     /// What --brake says, new where it says nothing.
     [[nodiscard]] double taken_J(const wear::BrakeWear& wear) const;
     /// The brake of the state file where there is one (its seed with it), else of --brake and `seed`. Throws std::invalid_argument where both
     /// say something, settings::Error for a file that is none of this brake.
-    [[nodiscard]] wear::WearingBrake brake_of(const wear::BrakeWear& wear, std::uint64_t seed) const;
+    [[nodiscard]] wear::WearingBrake brake_of(const wear::BrakeWear& rig, std::uint64_t seed) const;
 };
 
 /// For people: that the brake is beyond the model's data, and how the model goes on there. Empty where it is not.

@@ -31,8 +31,9 @@ std::string rig_clock(double seconds) {
 
 /// Files and options: a campaign goes on with both as they were.
 std::string configuration(const EnduranceSetup& setup, const CampaignOptions& o) {
-    if (o.rule == wear::ConditionalRule{} && o.taken_J == 0.0) return setup.config_hash;
-    const std::string brake = fmt::format("{} {} {}", static_cast<int>(o.rule.variance), static_cast<int>(o.rule.choice), o.taken_J);
+    if (!o.by_model && o.taken_J == 0.0) return setup.config_hash;
+    std::string brake = fmt::format("{}", o.taken_J);
+    if (o.by_model) brake += fmt::format(" {} {}", static_cast<int>(o.by_model->variance), static_cast<int>(o.by_model->choice));
     const std::array<std::string_view, 2> parts{setup.config_hash, brake};
     return settings::hash_bytes(parts);
 }
@@ -95,10 +96,12 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
     CampaignResult result;
     result.already = ledger.finished_count();
     plc::ServedRigOptions machinery = setup.machinery;
-    const wear::BrakeWear& wear = setup.scenario.rig.wear;
+    wear::BrakeWear wear = setup.scenario.rig.wear;
+    if (options.by_model) wear.law.reset();
+    const wear::ConditionalRule rule = options.by_model.value_or(wear::ConditionalRule{});
     wear::BrakeState brake = brake_before(options, wear, ledger, next.campaign);
     next.cumulative_energy_J = brake.c_e_J;
-    machinery.brake.emplace(wear, options.rule, brake);
+    machinery.brake.emplace(wear, rule, brake);
     TestCell cell(setup.scenario, setup.controller, setup.layout, machinery, options.seed);
     std::optional<rig::record::HealthWatch> watch;
     if (!options.wear_model.empty()) {
@@ -130,7 +133,7 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
     for (rig::record::LedgerRow& row : rig::record::read_ledger(options.ledger, next.campaign)) {
         if (row.state == rig::record::RowState::finished) result.finished.push_back(std::move(row.summary));
     }
-    result.brake.emplace(wear, options.rule, brake);
+    result.brake.emplace(wear, rule, brake);
     return result;
 }
 

@@ -21,10 +21,10 @@ struct CampaignOptions {
     std::int64_t maneuvers = 500;
     std::uint64_t seed = 1;  ///< below 2^63
     std::filesystem::path ledger;
-    std::filesystem::path wear_model{};       ///< that judges the brake's health after each maneuver; empty: nobody does
-    const std::atomic<bool>* stop = nullptr;  ///< looked at between two maneuvers
-    double taken_J = 0.0;                     ///< by the brake before the campaign
-    wear::ConditionalRule rule{};             ///< of the brake's wear
+    std::filesystem::path wear_model{};               ///< that judges the brake's health after each maneuver; empty: nobody does
+    const std::atomic<bool>* stop = nullptr;          ///< looked at between two maneuvers
+    double taken_J = 0.0;                             ///< by the brake before the campaign
+    std::optional<wear::ConditionalRule> by_model{};  ///< friction is drawn from the model by this rule; none: by the rig's law where it has one
     /// Read before the first maneuver where it is there (then instead of `taken_J` and, for the wear, of `seed`), written after each;
     /// empty: none.
     std::filesystem::path brake_state{};

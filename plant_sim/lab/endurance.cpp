@@ -46,7 +46,7 @@ struct EnduranceCommand {
                                                                           .wear_model = wear_model,
                                                                           .stop = &signals.stop(),
                                                                           .taken_J = taken_J,
-                                                                          .rule = brake.rule,
+                                                                          .by_model = brake.by_model ? std::optional(brake.rule) : std::nullopt,
                                                                           .brake_state = brake.state},
                                                                          observe);
         if (progress) progress->finish();

@@ -156,17 +156,23 @@ void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& sim
                    png);
 }
 
-void draw_bic(const wear::Model& model, const std::filesystem::path& png) {
-    const auto min = std::min_element(model.orders.begin(), model.orders.end(),
-                                      [](const wear::Model::Candidate& a, const wear::Model::Candidate& b) { return a.bic < b.bic; });
-    Series all{.name = "BIC", .colour = pictures::blue};
-    for (const wear::Model::Candidate& o : model.orders) all.add(static_cast<double>(o.components), o.bic);
-    Series chosen{.name = fmt::format("chosen: {}", min->components),
-                  .style = Style::points,
-                  .colour = pictures::vermillion,
-                  .x = {static_cast<double>(min->components)},
-                  .y = {min->bic}};
-    pictures::draw({.charts = {{.y_label = "BIC (less is better)", .x_label = "components", .series = {std::move(all), std::move(chosen)}}}}, png);
+void draw_orders(const wear::Model& model, const std::filesystem::path& png) {
+    Series bic{.name = "BIC", .colour = pictures::blue}, score{.name = "score", .colour = pictures::blue};
+    Series bic_chosen{.name = fmt::format("chosen: {}", model.mixture.components().size()), .style = Style::points, .colour = pictures::vermillion};
+    Series score_chosen = bic_chosen;
+    for (const wear::Model::Candidate& o : model.orders) {
+        const auto m = static_cast<double>(o.components);
+        const bool chosen = o.components == model.mixture.components().size();
+        bic.add(m, o.bic);
+        if (chosen) bic_chosen.add(m, o.bic);
+        if (o.score) score.add(m, *o.score);
+        if (chosen && o.score) score_chosen.add(m, *o.score);
+    }
+    Chart least{.y_label = "BIC (less is better)", .x_label = "components", .series = {std::move(bic), std::move(bic_chosen)}};
+    Chart greatest{.y_label = "log score of blocks left out", .x_label = "components", .series = {std::move(score), std::move(score_chosen)}};
+    pictures::Figure figure{.charts = {std::move(least)}, .columns = 2};
+    if (!greatest.series.front().x.empty()) figure.charts.push_back(std::move(greatest));
+    pictures::draw(std::move(figure), png);
 }
 
 void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, double limit, const std::filesystem::path& png) {

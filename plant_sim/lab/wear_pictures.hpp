@@ -29,6 +29,6 @@ void draw_density(const wear::Campaign& campaign, const wear::Model& model, cons
 void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated, const std::filesystem::path& png);
 
 /// BIC over the number of components, least one marked.
-void draw_bic(const wear::Model& model, const std::filesystem::path& png);
+void draw_orders(const wear::Model& model, const std::filesystem::path& png);
 
 }  // namespace plant_sim::lab

@@ -74,7 +74,7 @@ struct SimulateCommand {
         std::vector<std::filesystem::path> files{model};
         const wear::Campaign simulated = by_torque ? through_plant(recorded, learnt, files, json) : wear::resimulated(recorded, learnt, rule, seed);
         const wear::Comparison c = wear::compare(recorded, simulated, learnt, rule);
-        print_table(json_file, "By a brake {}.\n{}", learnt.data.origin, table_of(c));
+        print_table(json_file, "By a brake {}.\n{}", wear::origin_phrase(learnt.data.origin), table_of(c));
         const auto beyond =
             std::count_if(simulated.points.begin(), simulated.points.end(), [&](const wear::Point& p) { return learnt.extrapolates(p.c_e_J); });
         if (beyond > 0)
@@ -102,7 +102,7 @@ struct SimulateCommand {
         files.insert(files.end(), rig.files.begin(), rig.files.end());
         // The model is of this very brake; its life is of no interest here.
         const wear::BrakeWear wear{
-            .model = std::make_shared<const wear::Model>(learnt), .scale = {}, .life_J = learnt.data.last_c_e_J, .file = model};
+            .model = std::make_shared<const wear::Model>(learnt), .scale = {}, .life_J = learnt.data.last_c_e_J, .file = model, .law = {}};
         const std::size_t all = recorded.points.size();
         const study::TorqueReplay replayed =
             study::replay_torques(recorded, rig,

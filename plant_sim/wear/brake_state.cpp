@@ -30,7 +30,11 @@ std::string check_sum(const std::string& wear_hash, const BrakeState& s) {
 std::string wear_hash(const BrakeWear& wear) {
     const std::string model = to_json(*wear.model);
     const std::string scale = fmt::format("{} {}", wear.scale.energy, wear.scale.friction);
-    const std::array<std::string_view, 2> parts{model, scale};
+    std::string law;
+    if (const auto& l = wear.law)
+        law = fmt::format("{} {} {} {} {} {} {} {} {} {} {}", l->plateau, l->run_in, l->run_in_J, l->loss, l->lining_J, l->core_loss, l->core_share,
+                          l->per_temperature, l->memory, l->play, l->measurement);
+    const std::array<std::string_view, 3> parts{model, scale, law};
     return settings::hash_bytes(parts);
 }
 
@@ -60,7 +64,8 @@ BrakeState brake_state_from_json(const std::string& name, std::string_view text,
                     "does not fit the values: the file is damaged, or was edited; to start from another energy "
                     "use --brake MJ with a new file");
     if (hash != wear_hash(wear))
-        throw Error(name, 0, "wear_hash", fmt::format("this brake was kept with another wear model or scale than that of {}", wear.file.string()));
+        throw Error(name, 0, "wear_hash",
+                    fmt::format("this brake was kept with another wear model, law or scale than that of {}", wear.file.string()));
     return state;
 }
 

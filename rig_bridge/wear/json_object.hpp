@@ -24,6 +24,7 @@ class JsonObject {
         if (!json_.is_object()) throw settings::Error(file_, 0, path_, "must be an object");
     }
 
+    [[nodiscard]] bool has(const std::string& key) const { return json_.contains(key); }
     [[nodiscard]] const nlohmann::ordered_json& get(const std::string& key) {
         const auto at = json_.find(key);
         if (at == json_.end()) throw settings::Error(file_, 0, path_of(key), "is missing");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct Model {
         std::size_t components = 0;
         double log_likelihood = 0.0;
         double bic = 0.0;
+        std::optional<double> score{};  ///< order_score.hpp; none: not scored
         bool operator==(const Candidate&) const = default;
     };
 

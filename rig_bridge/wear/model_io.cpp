@@ -43,7 +43,8 @@ Model::Search search_of(Reader r) {
 }
 
 Model::Candidate order_of(Reader r) {
-    const Model::Candidate o{r.count("components", 1), r.number("log_likelihood"), r.number("bic")};
+    Model::Candidate o{.components = r.count("components", 1), .log_likelihood = r.number("log_likelihood"), .bic = r.number("bic")};
+    if (r.has("score")) o.score = r.number("score");
     r.finish();
     return o;
 }
@@ -69,7 +70,10 @@ Json json_of(const Component& c) {
 
 std::string to_json(const Model& m) {
     Json orders = Json::array();
-    for (const Model::Candidate& o : m.orders) orders.push_back({{"components", o.components}, {"log_likelihood", o.log_likelihood}, {"bic", o.bic}});
+    for (const Model::Candidate& o : m.orders) {
+        orders.push_back({{"components", o.components}, {"log_likelihood", o.log_likelihood}, {"bic", o.bic}});
+        if (o.score) orders.back()["score"] = *o.score;
+    }
     Json components = Json::array();
     for (const Component& c : m.mixture.components()) components.push_back(json_of(c));
     const Json json{

@@ -19,8 +19,12 @@ bool is_origin(std::string_view text) {
     return text == kUnknownOrigin || text.starts_with("measured") || text.starts_with("made up");
 }
 
+std::string origin_phrase(const std::string& origin) {
+    return origin == kUnknownOrigin ? "of " + origin : origin;
+}
+
 std::string Provenance::sentence() const {
-    return fmt::format("{}, {} {}", origin, lives, lives == 1 ? "life" : "lives");
+    return fmt::format("{}, {} {}", origin_phrase(origin), lives, lives == 1 ? "life" : "lives");
 }
 
 std::string common_origin(const std::vector<std::string>& origins) {

@@ -13,6 +13,9 @@ inline constexpr const char* kUnknownOrigin = "unknown origin";
 /// Whether a text says an origin: it begins with "measured" or "made up" (by which law or simulator, on which rig), or is kUnknownOrigin.
 [[nodiscard]] bool is_origin(std::string_view text);
 
+/// For people, after "a brake" or "brakes": "measured on rig 7", "of unknown origin".
+[[nodiscard]] std::string origin_phrase(const std::string& origin);
+
 struct Provenance {
     std::string origin = kUnknownOrigin;
     std::size_t lives = 1;  ///< brakes that it was learnt from

@@ -39,12 +39,16 @@ WearingBrake::WearingBrake(BrakeWear wear, const ConditionalRule& rule, const Br
 }
 
 double WearingBrake::next_friction() const {
+    if (wear_.law) {
+        const double unscaled = friction(*wear_.law, state_.seed, state_.maneuvers, state_.c_e_J / wear_.scale.energy);
+        return std::max(kMinFriction, wear_.scale.friction * unscaled);
+    }
     Generator generator = generator_of(state_.seed, state_.maneuvers);
     return friction_at(*wear_.model, wear_.scale, rule_, state_.c_e_J, generator);
 }
 
 bool WearingBrake::extrapolates() const {
-    return wear_.model->extrapolates(state_.c_e_J / wear_.scale.energy);
+    return !wear_.law && wear_.model->extrapolates(state_.c_e_J / wear_.scale.energy);
 }
 
 void WearingBrake::take(double brake_energy_J) {

@@ -135,7 +135,7 @@ TEST_CASE("friction of a maneuver follows from seed, number and what the ledger 
                                                 .seed = 1,
                                                 .ledger = directory / "worn.sqlite",
                                                 .taken_J = 470e6,
-                                                .rule = {wear::Variance::printed, wear::Choice::nearest}}),
+                                                .by_model = wear::ConditionalRule{}}),
                     settings::Error);
 }
 

@@ -17,12 +17,6 @@ Scenario shipped(const std::string& name) {
     return rig::load_scenario("config/scenarios/" + name + ".toml");
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, from.size(), to);
-}
-
 /// The refusal of a shipped scenario with one change.
 settings::Error rejected(const std::string& name, const std::string& from, const std::string& to) {
     const TemporaryDirectory directory;

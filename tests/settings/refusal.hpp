@@ -57,3 +57,10 @@ inline std::string content_of(const std::filesystem::path& path) {
 inline void put(const std::filesystem::path& path, std::string_view bytes) {
     std::ofstream(path, std::ios::binary) << bytes;
 }
+
+/// With the first `from` made `to`; the test fails where there is none.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}

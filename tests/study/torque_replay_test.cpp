@@ -27,10 +27,9 @@ constexpr double kRadius_m = 0.30;
 /// A campaign of the physical law with what would have been recorded: speed from the energy, torque and load as printed.
 wear::Campaign recorded(int maneuvers, std::uint64_t seed) {
     physical::BrakeLaw law = physical::shipped_law();
-    law.maneuvers = maneuvers;
     law.lining_J = 0.975e6 * maneuvers;
     law.run_in_J = law.lining_J * 0.03;
-    wear::Campaign out = physical::campaign(law, seed);
+    wear::Campaign out = physical::campaign(law, seed, nullptr, maneuvers);
     double before_J = 0.0;
     for (const wear::Point& p : out.points) {
         const double energy_J = p.c_e_J - before_J;

@@ -1,6 +1,7 @@
 /// Tables of stops: exact, and nothing else is taken for one.
 #include "plant_sim/study/sweep/stops_table.hpp"
 #include "tests/catch.hpp"
+#include "tests/settings/refusal.hpp"
 #include "tests/sweep/small_plan.hpp"
 
 namespace {
@@ -25,12 +26,6 @@ std::string csv() {
     std::vector<sweep::Row> rows;
     for (std::size_t i = 0; i < 3; ++i) rows.push_back(made_up(plan, i));
     return sweep::to_csv(sweep::identity_of(plan), rows);
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    const auto at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), by);
 }
 
 }  // namespace

@@ -42,10 +42,8 @@ struct WornOut {
 };
 
 inline WornOut worn_out(std::uint64_t seed, double wear_limit = 0.165) {
-    BrakeLaw law = brake_of_fleet(seed);
-    law.maneuvers = 1500;
     WornOut out;
-    out.campaign = campaign(law, seed, &out.expected);
+    out.campaign = campaign(brake_of_fleet(seed), seed, &out.expected, 1500);
     std::size_t n = 0;
     while (n < out.expected.size() && out.campaign.points[n].mean_friction >= wear_limit) ++n;
     n = std::min(n + 1, out.expected.size());

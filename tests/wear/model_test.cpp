@@ -4,6 +4,7 @@
 
 #include "rig_bridge/wear/model_io.hpp"
 #include "tests/catch.hpp"
+#include "tests/settings/refusal.hpp"
 #include "tests/wear/physical_campaign.hpp"
 
 namespace {
@@ -18,12 +19,6 @@ wear::Model some_model() {
         return wear::model_of(campaign, wear::fit(campaign, settings), settings);
     }();
     return model;
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-    const auto at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), with);
 }
 
 std::string model_rejection(const std::string& json) {
@@ -56,6 +51,7 @@ TEST_CASE("a model says what it was learnt from; one of before that could be sai
     CHECK_THAT(model_rejection(replaced(json, says, "")), ContainsSubstring("data.origin: is missing"));
     CHECK_THAT(model_rejection(replaced(json, "made up by", "by")), ContainsSubstring("data.origin: must begin with 'measured' or 'made up'"));
     CHECK(wear::Provenance{"measured on rig 7", 12}.sentence() == "measured on rig 7, 12 lives");
+    CHECK(wear::Provenance{}.sentence() == "of unknown origin, 1 life");
     CHECK(wear::common_origin({"measured", "measured"}) == "measured");
     CHECK(wear::common_origin({"measured", wear::kUnknownOrigin}) == wear::kUnknownOrigin);
     CHECK(wear::common_origin({"measured", "made up"}) == "made up (1 of 2 lives; others are of other origin)");

@@ -22,7 +22,7 @@ package() {
     SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct 2>/dev/null ||
         find "$root" -path "$root/build" -prune -o -path "$root/out" -prune -o -type f -printf '%T@\n' | sort -n | tail -n 1 | cut -d . -f 1)
     export SOURCE_DATE_EPOCH
-    setup product help2man dpkg-dev file pybind11-dev
+    setup product help2man dpkg-dev file pybind11-dev python3-dev
     build release antiskid-controller rig-bridge rig-replay virtual-rig rig-lab python_module man_pages
     say "package"
     (cd "$root/build/release" && cpack -G DEB -B "$root/build/release/deb") >"$root/build/release/cpack.log" 2>&1 ||
