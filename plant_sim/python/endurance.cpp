@@ -20,6 +20,7 @@ namespace plant_sim::python {
 
 std::string endurance_table(const EnduranceRequest& request) {
     if (request.maneuvers < 1) throw std::invalid_argument("maneuvers: expected 1 or more");
+    if (request.seed > INT64_MAX) throw std::invalid_argument("seed: expected less than 2^63, as a ledger can hold it");
     std::atomic<bool> stop{false};
     const auto campaign = [&] {
         const std::filesystem::path& config = request.config;

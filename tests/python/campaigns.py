@@ -117,6 +117,7 @@ def ran(folder):
     assert [column.tolist()[:3] for column in antiskid.Ledger(mine).wear()] == [column[:3] for column in whole]
     assert antiskid.endurance(f"{folder}/other", maneuvers=3, seed=2)["quantities"] != first["quantities"]
     refused(ValueError, "maneuvers: expected 1", lambda: antiskid.endurance(mine, maneuvers=0))
+    refused(ValueError, "seed: expected less", lambda: antiskid.endurance(mine, seed=2**63))
     refused(RuntimeError, "seed", lambda: antiskid.endurance(mine, maneuvers=5, seed=2))
     refused(RuntimeError, "none.toml", lambda: antiskid.endurance(f"{folder}/new", scenario="none.toml"))
 
@@ -159,16 +160,21 @@ def regulated():
     refused(RuntimeError, "regulation.toml", lambda: antiskid.Regulator(5e6, 1e6, config="tests"))
 
 
-def interrupted():
-    """Ctrl-C ends a search that would go on for hours."""
+def interrupted(folder):
+    """Ctrl-C ends what would go on for hours; of a campaign its maneuvers so far are left."""
     signal.signal(signal.SIGALRM, signal.default_int_handler)
-    signal.setitimer(signal.ITIMER_REAL, 0.3)
     friction = 0.3 + 0.01 * numpy.random.default_rng(1).normal(size=2000)
-    try:
-        antiskid.fit_wear(1e6 * numpy.arange(1, 2001), friction, starts=100_000)
-    except KeyboardInterrupt:
-        return
-    raise AssertionError("it was not interrupted")
+    for endless in (lambda: antiskid.fit_wear(1e6 * numpy.arange(1, 2001), friction, starts=100_000),
+                    lambda: antiskid.endurance(f"{folder}/endless", maneuvers=1_000_000)):
+        signal.setitimer(signal.ITIMER_REAL, 0.5)
+        try:
+            endless()
+        except KeyboardInterrupt:
+            continue
+        raise AssertionError("it was not interrupted")
+    done = antiskid.Ledger(f"{folder}/endless").rows()
+    assert len(done["number"]) > 0 and set(done["state"]) == {"finished"}
+    assert antiskid.endurance(f"{folder}/endless", maneuvers=len(done["number"]) + 1)["maneuvers"] == len(done["number"]) + 1
 
 
 def unfinished(folder):
@@ -198,5 +204,5 @@ with tempfile.TemporaryDirectory() as directory:
     ran(directory)
     simulated(directory)
     regulated()
-    interrupted()
+    interrupted(directory)
     unfinished(directory)
