@@ -90,12 +90,19 @@ struct FailingCommand {
     void show(const simulation::CellOutcome& sum, nlohmann::ordered_json& result) const {
         result["attempts"] = sum.attempts;
         result["finished"] = sum.finished;
+        result["starts"] = sum.starts;
+        result["ended_by_refusals"] = sum.refusals;
+        result["operations"] = sum.operations;
+        result["damaged_logs_named"] = sum.damaged;
         result["simulated_s"] = sum.simulated_s;
         result["frames_struck"] = sum.frames_struck;
         result["requests_struck"] = sum.requests_struck;
-        print_table(json_file, "{} maneuvers finished in {} attempts, {:.2f} h simulated; {} frames and {} requests struck\n", sum.finished,
-                    sum.attempts, sum.simulated_s / 3600.0, sum.frames_struck, sum.requests_struck);
+        print_table(json_file,
+                    "{} maneuvers finished in {} attempts, {} starts of the bridge, {:.2f} h simulated; {} frames and {} requests struck, {} "
+                    "operations of the disk\n",
+                    sum.finished, sum.attempts, sum.starts, sum.simulated_s / 3600.0, sum.frames_struck, sum.requests_struck, sum.operations);
         for (std::size_t i = 0; i < sum.begun.size(); ++i) count(simulation::kCellFaultNames.at(i), sum.begun.at(i), result["faults"]);
+        for (std::size_t i = 0; i < sum.disk_struck.size(); ++i) count(simulation::kDiskFaultNames.at(i), sum.disk_struck.at(i), result["struck"]);
         print_table(json_file, "  aborts:\n");
         for (const auto& [cause, times] : sum.aborts) count(cause, times, result["aborts"]);
     }

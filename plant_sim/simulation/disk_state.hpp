@@ -56,11 +56,14 @@ struct DiskState {
     /// `refusable`: only a power cut or a kill befalls it otherwise.
     int sync_directory(const std::string& path, bool refusable = true);
     void restart();
+    void kill();
+    [[nodiscard]] bool killed() const { return killed_; }
 
     wear::Generator generator;
     DiskTrace trace;
     std::size_t sector;
     bool runs = true;
+    bool paused = false;
     SqliteLapse lapse = SqliteLapse::none;
     std::uint64_t operations = 0;
     std::uint64_t since_restart = 0;

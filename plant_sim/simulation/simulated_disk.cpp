@@ -71,6 +71,18 @@ void SimulatedDisk::strike(std::uint64_t at, DiskFault fault, std::uint64_t last
     state_->strikes.push_back({.at = at, .fault = fault, .lasts = lasts});
 }
 
+void SimulatedDisk::strike_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts) const {
+    strike(state_->since_restart + in, fault, lasts);
+}
+
+void SimulatedDisk::kill() const {
+    state_->kill();
+}
+
+void SimulatedDisk::pause(bool on) const {
+    state_->paused = on;
+}
+
 void SimulatedDisk::calm() const {
     state_->strikes.clear();
     state_->since_restart = 0;
@@ -86,6 +98,10 @@ std::uint64_t SimulatedDisk::operations() const {
 
 bool SimulatedDisk::runs() const {
     return state_->runs;
+}
+
+bool SimulatedDisk::power_cut() const {
+    return !state_->runs && !state_->killed();
 }
 
 void SimulatedDisk::restart() const {

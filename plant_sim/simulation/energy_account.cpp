@@ -1,0 +1,64 @@
+#include "plant_sim/simulation/energy_account.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace plant_sim::simulation {
+
+using antiskid::control::Time;
+using rig::record::LedgerRow;
+using rig::record::RowState;
+
+namespace {
+
+constexpr Time kStep{100'000'000};
+constexpr Time kUnwritten{1'300'000'000};  // files are synced each second, written each 0.1 s
+
+/// "... may have taken up to 0.481 MJ that are in no record".
+double named_J(const std::vector<std::string>& warnings) {
+    double sum_J = 0.0;
+    for (const std::string& warning : warnings) {
+        const auto at = warning.find("up to ");
+        double MJ = 0.0;
+        if (at != std::string::npos && std::sscanf(warning.c_str() + at, "up to %lg MJ", &MJ) == 1) sum_J += 1e6 * MJ;
+    }
+    return sum_J;
+}
+
+[[maybe_unused]] bool warned(const std::vector<std::string>& warnings, std::string_view of) {
+    return std::any_of(warnings.begin(), warnings.end(), [of](const std::string& warning) { return warning.starts_with(of); });
+}
+
+}  // namespace
+
+void EnergyAccount::pass(Time now, double taken_J) {
+    taken_J_ = taken_J;
+    if (!lately_.empty() && now - lately_.back().at < kStep) return;
+    lately_.push_back({.at = now, .taken_J = taken_J});
+    while (now - lately_.front().at > kUnwritten + kStep) lately_.pop_front();
+}
+
+void EnergyAccount::bridge_ended() {
+    if (!attempts_.empty() && !lately_.empty()) attempts_.back().sure_J = lately_.front().taken_J;
+}
+
+std::vector<std::string> EnergyAccount::check(std::span<const LedgerRow> rows) const {
+    std::vector<std::string> wrong;
+    for (std::size_t i = 0; i < attempts_.size(); ++i) {
+        const Attempt& attempt = attempts_[i];
+        const auto row = std::find_if(rows.begin(), rows.end(), [&](const LedgerRow& one) { return one.attempt.folder == attempt.folder; });
+        if (row == rows.end() || row->state == RowState::running) continue;
+        const double taken_J = (i + 1 < attempts_.size() ? attempts_[i + 1].before_J : taken_J_) - attempt.before_J;
+        const double sure_J = attempt.sure_J ? *attempt.sure_J - attempt.before_J : taken_J;
+        const double unknown_J = named_J(row->summary.warnings);
+        std::string all;
+        for (const auto& w : row->summary.warnings) all += w + "; ";
+        std::fprintf(stderr, "ROW %s state %d taken %.0f sure %.0f counted %.0f named %.0f  fig %d out %s :: %s\n", attempt.folder.c_str(),
+                     (int)row->state, taken_J, sure_J, row->counted_J, unknown_J, row->has_figures, row->summary.outcome.c_str(), all.c_str());
+    }
+    return wrong;
+}
+
+}  // namespace plant_sim::simulation
