@@ -65,6 +65,7 @@ class CellCampaign {
           max_sound_attempts_(planned_ + 3 * static_cast<std::int64_t>(faults.size()) + 3),
           disk_(std::make_shared<SimulatedDisk>(seed)),
           books_(disk_),
+          account_(0.5 * setup.bridge.meter.flywheel_mass_kg * plan_.speed_mps * plan_.speed_mps),
           bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { witness(end, frame, damaged); }),
           at_rig_(bus_.connect()),
           at_controller_(bus_.connect()),

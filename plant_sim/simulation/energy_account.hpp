@@ -15,6 +15,9 @@ namespace plant_sim::simulation {
 
 class EnergyAccount {
   public:
+    /// `landing_J`: what the brake takes in one that nothing disturbs, about.
+    explicit EnergyAccount(double landing_J) : landing_J_(landing_J) {}
+
     /// In every period; `taken_J` is of the brake's whole life, here and below.
     void pass(antiskid::control::Time now, double taken_J);
     void begun(const std::filesystem::path& folder) { attempts_.push_back({.folder = folder, .before_J = taken_J_}); }
@@ -34,6 +37,7 @@ class EnergyAccount {
         antiskid::control::Time at{};
         double taken_J = 0.0;
     };
+    double landing_J_;
     std::vector<Attempt> attempts_;
     std::deque<Sample> lately_;
     double taken_J_ = 0.0;

@@ -8,6 +8,7 @@
 #include "plant_sim/simulation/cell_campaign.hpp"
 #include "tests/catch.hpp"
 
+using plant_sim::simulation::BridgeMistake;
 using plant_sim::simulation::CellFault;
 using plant_sim::simulation::CellOutcome;
 using plant_sim::simulation::CellSetup;
@@ -34,18 +35,27 @@ Bug bug(std::string name, const Change& change) {
     return made;
 }
 
+Bug wrong(std::string name, BridgeMistake mistake) {
+    return bug(std::move(name), [mistake](CellSetup& s) { s.mistake = mistake; });
+}
+
 constexpr double kNever_s = 1e6;
 
 std::vector<Bug> bugs() {
     return {
         bug("controller believes an old maneuver command", [](CellSetup& s) { s.controller.monitor.maneuver_max_age_s = 10.0F; }),
         bug("PLC without a watchdog for the bridge", [](CellSetup& s) { s.machinery.watchdog_s = kNever_s; }),
-        bug("client's watchdog moves whether or not the main loop does", [](CellSetup& s) { s.loop_proves_life = false; }),
+        wrong("client's watchdog moves whether or not the main loop does", BridgeMistake::proves_life_without_loop),
         bug("bridge believes stale registers", [](CellSetup& s) { s.bridge.limits.registers_s = s.bridge.limits.watchdog_s = kNever_s; }),
         bug("bridge believes old frames of the controller",
             [](CellSetup& s) { s.bridge.limits.controller_s = s.bridge.limits.sensors_s = kNever_s; }),
-        bug("bridge does not lead a tripped PLC back", [](CellSetup& s) { s.resets = false; }),
-        bug("a bridge that starts again goes on with the next maneuver", [](CellSetup& s) { s.goes_on = false; }),
+        wrong("bridge does not lead a tripped PLC back", BridgeMistake::leads_no_plc_back),
+        wrong("a bridge that starts again goes on with the next maneuver", BridgeMistake::counts_by_itself),
+        wrong("energy of what a dead bridge left is forgotten", BridgeMistake::forgets_energy_left),
+        wrong("energy of what a dead bridge left is counted in the next attempt, too", BridgeMistake::counts_energy_left_twice),
+        wrong("entered before the recording is synced", BridgeMistake::enters_before_it_is_synced),
+        wrong("time stamps of a recording follow the wall clock", BridgeMistake::keeps_wall_clock_stamps),
+        wrong("time-outs by the wall clock", BridgeMistake::waits_by_wall_clock),
         bug("frames without CRC and counter",
             [](CellSetup& s) {
                 for (const antiskid::can::Role role : antiskid::can::kEveryRole) s.bridge.layout[role].protection = {};
@@ -58,7 +68,10 @@ std::vector<Bug> bugs() {
 std::optional<std::uint64_t> found(const CellSetup& setup) {
     constexpr std::uint64_t kSeeds = 500;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
-        if (!run_cell_campaign(setup, seed, faults_of(seed)).violations.empty()) return seed;
+        if (const auto outcome = run_cell_campaign(setup, seed, faults_of(seed)); !outcome.violations.empty()) {
+            fmt::print("    {}\n", outcome.violations.front());
+            return seed;
+        }
     return std::nullopt;
 }
 
