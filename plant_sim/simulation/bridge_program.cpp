@@ -63,9 +63,9 @@ std::string BridgeProgram::wall_text() const {
 }
 
 std::optional<Summary> BridgeProgram::meter(const Attempt& left) {
-    const std::filesystem::path log = left.folder / "bus.log";
-    if (mistake_ == BridgeMistake::forgets_energy_left || !std::filesystem::exists(machine_.storage->status(log))) return std::nullopt;
-    const PassingFile file(log, *machine_.storage);
+    if (mistake_ == BridgeMistake::forgets_energy_left) return std::nullopt;
+    if (!std::filesystem::exists(machine_.storage->status(left.folder / "bus.log"))) return std::nullopt;
+    const PassingFile file(log_bytes(left, *machine_.storage));
     const auto summary = rig::bridge::summary_of_left(setup_, left, file.path());
     if (!summary) return std::nullopt;
     const double counted_J = rig::record::counted_energy_J(*summary);
@@ -202,8 +202,8 @@ void BridgeProgram::close() {
     if (!whole && run.record_error.empty()) run.record_error = run.recording->log.error() + run.samples->error();
     Summary summary = rig::bridge::summary_of(setup_, run.request, *run.sequencer, run.started, *run.recording, run.record_error.empty());
     if (left_J_ != 0.0) {
-        summary.figures.energy_brake_J += left_J_;
-        summary.cumulative_energy_J += std::exchange(left_J_, 0.0);
+        summary.figures.energy_brake_J += std::exchange(left_J_, 0.0);
+        summary.cumulative_energy_J = run.request.taken_J + rig::record::counted_energy_J(summary);
     }
     enter(summary);
     if (late) (void)run.recording->log.finish();

@@ -31,10 +31,8 @@ bool same(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-PassingFile::PassingFile(const std::filesystem::path& path, const settings::Storage& storage) : file_(::memfd_create("bus.log", MFD_CLOEXEC)) {
-    constexpr std::size_t kLargest = 256U << 20U;
-    const std::string content = settings::read_file(path, kLargest, storage);
-    for (std::string_view bytes = content; !bytes.empty();) {
+PassingFile::PassingFile(std::string_view bytes) : file_(::memfd_create("bus.log", MFD_CLOEXEC)) {
+    while (!bytes.empty()) {
         const ssize_t count = ::write(file_.get(), bytes.data(), bytes.size());
         if (count <= 0) throw std::system_error(errno, std::generic_category(), "a file in memory");
         bytes.remove_prefix(static_cast<std::size_t>(count));
@@ -43,6 +41,11 @@ PassingFile::PassingFile(const std::filesystem::path& path, const settings::Stor
 
 std::string PassingFile::path() const {
     return fmt::format("/proc/self/fd/{}", file_.get());
+}
+
+std::string log_bytes(const Attempt& attempt, const settings::Storage& storage) {
+    constexpr std::size_t kLargest = 256U << 20U;
+    return settings::read_file(attempt.folder / "bus.log", kLargest, storage);
 }
 
 CampaignBooks::CampaignBooks(std::shared_ptr<const SimulatedDisk> disk, Reading reading) : disk_(std::move(disk)), reading_(std::move(reading)) {}
@@ -60,16 +63,21 @@ void CampaignBooks::finished(const Attempt& attempt, double counted_J) {
 }
 
 ReadLog CampaignBooks::read(const Attempt& attempt, const settings::Storage& storage) {
-    const PassingFile file(attempt.folder / "bus.log", storage);
-    const std::vector<Frame>& written = of(attempt).frames;
+    Known& known = of(attempt);
+    std::string bytes = log_bytes(attempt, storage);
+    if (known.log_read && bytes == known.log_bytes) return known.log;
+    const PassingFile file(bytes);
     rig::replay::LogWarnings warnings("bus.log", {});
     rig::replay::LogReader reader(file.path(), {}, warnings);
-    ReadLog out;
-    for (rig::replay::LogFrame frame; reader.next(frame); ++out.frames)
-        if (out.in_order == out.frames && out.in_order < written.size() && same(frame.frame, written[out.in_order])) ++out.in_order;
-    out.steps_back = warnings.count(rig::replay::LogTrouble::time_backwards);
-    out.damage_named = !warnings.damage().empty();
-    return reading_ ? reading_(out) : out;
+    ReadLog log;
+    for (rig::replay::LogFrame frame; reader.next(frame); ++log.frames)
+        if (log.in_order == log.frames && log.in_order < known.frames.size() && same(frame.frame, known.frames[log.in_order])) ++log.in_order;
+    log.steps_back = warnings.count(rig::replay::LogTrouble::time_backwards);
+    log.damage_named = !warnings.damage().empty();
+    known.log = reading_ ? reading_(log) : log;
+    known.log_bytes = std::move(bytes);
+    known.log_read = true;
+    return known.log;
 }
 
 std::vector<std::string> CampaignBooks::check() {

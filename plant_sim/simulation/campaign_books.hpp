@@ -28,16 +28,19 @@ struct ReadLog {
     bool damage_named = false;
 };
 
-/// A file of a simulated disk as one with a path of this computer: the log reader opens its logs by itself.
+/// A file in memory with a path: the log reader opens its logs by itself.
 class PassingFile {
   public:
-    /// Throws settings::Error when `path` is not there, std::system_error when there is no memory for it.
-    PassingFile(const std::filesystem::path& path, const settings::Storage& storage);
+    /// Throws std::system_error when there is no memory for it.
+    explicit PassingFile(std::string_view bytes);
     [[nodiscard]] std::string path() const;
 
   private:
     settings::FileDescriptor file_;
 };
+
+/// Of its bus.log. Throws settings::Error.
+[[nodiscard]] std::string log_bytes(const rig::record::Attempt& attempt, const settings::Storage& storage);
 
 class CampaignBooks {
   public:
@@ -55,6 +58,9 @@ class CampaignBooks {
         bool entry_refused = false;                  ///< the ledger refused its finish
         double finished_J = 0.0;                     ///< with so much
         std::set<double> measured_J{};               ///< by whoever measured it, live or from its log
+        bool log_read = false;
+        std::string log_bytes{};  ///< as they were then
+        ReadLog log{};            ///< what was found
     };
     [[nodiscard]] Known& of(const rig::record::Attempt& attempt) { return known_[attempt.folder.string()]; }
     void begun(const rig::record::Attempt& attempt) { of(attempt).begun = disk_->runs(); }

@@ -69,7 +69,7 @@ class CellCampaign {
           bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { witness(end, frame, damaged); }),
           at_rig_(bus_.connect()),
           at_controller_(bus_.connect()),
-          bridge_sends_(bus_.connect()),
+          bridge_sends_(bus_.connect(true)),
           bridge_hears_(bus_.connect()),
           bank_(setup.bridge.map),
           rig_(setup.bridge.scenario.rig, setup.machinery, seed),

@@ -27,7 +27,7 @@ CellJudge::CellJudge(const CellSetup& setup, const rig::Plan& plan, const plc::S
       top_mps_(rig::top_speed_mps(plan)) {}
 
 void CellJudge::rig_hears(const Frame& frame) {
-    if (valve_.accept(frame) != Role::valve) return;
+    if (frame.id != setup_.bridge.layout[Role::valve].id || valve_.accept(frame) != Role::valve) return;
     // The command may have been on its way for as long as frames are late.
     const Time longest = duration(setup_.permission_s + 3.0 * static_cast<double>(setup_.controller.period_s)) + FaultyBus::kMaxLate;
     if (valve_.view().controller.current_mA > setup_.controller.valve.safe_current_mA + 0.01F && frame.received - permission_.granted() > longest)

@@ -37,7 +37,7 @@ void FaultyBus::End::set_up(bool up) {
 }
 
 void FaultyBus::End::take(const Frame& frame) {
-    if (!status_.up) return;
+    if (deaf_ || !status_.up) return;
     Travelling one{.frame = frame};
     one.frame.received = bus_.now_;
     const auto struck = [this](FrameFault fault) {
@@ -65,6 +65,10 @@ void FaultyBus::End::take(const Frame& frame) {
 }
 
 void FaultyBus::End::insert(const Travelling& one) {
+    if (queue_.empty() || queue_.back().frame.received <= one.frame.received) {
+        queue_.push_back(one);
+        return;
+    }
     const auto after =
         std::find_if(queue_.rbegin(), queue_.rend(), [&](const Travelling& other) { return other.frame.received <= one.frame.received; });
     queue_.insert(after.base(), one);

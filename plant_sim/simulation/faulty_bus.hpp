@@ -23,7 +23,7 @@ class FaultyBus {
 
     class End final : public antiskid::can::Bus {
       public:
-        explicit End(FaultyBus& bus) : bus_(bus) {}
+        End(FaultyBus& bus, bool deaf) : bus_(bus), deaf_(deaf) {}
         std::size_t receive(std::span<antiskid::can::Frame> frames) override;
         bool send(const antiskid::can::Frame& frame) override;
         /// Whether a frame is there; time does not pass here.
@@ -46,6 +46,7 @@ class FaultyBus {
         void insert(const Travelling& one);
 
         FaultyBus& bus_;
+        bool deaf_;
         std::deque<Travelling> queue_;  // earliest first
         std::array<double, kFrameFaults> shares_{};
         antiskid::can::LinkStatus status_;
@@ -58,8 +59,8 @@ class FaultyBus {
     FaultyBus(const FaultyBus&) = delete;
     FaultyBus& operator=(const FaultyBus&) = delete;
 
-    /// The bus owns it.
-    [[nodiscard]] End& connect() { return ends_.emplace_back(*this); }
+    /// The bus owns it. `deaf`: it only sends.
+    [[nodiscard]] End& connect(bool deaf = false) { return ends_.emplace_back(*this, deaf); }
     void set_time(antiskid::can::Time now) { now_ = now; }
     [[nodiscard]] const std::array<std::uint64_t, kFrameFaults>& struck() const { return struck_; }
 
