@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -33,7 +34,6 @@ BridgeProgram::BridgeProgram(const rig::bridge::BridgeSetup& setup, BridgeCampai
       machine_(std::move(machine)),
       books_(books),
       mistake_(mistake),
-      ledger_(kSimulatedLedger, {.busy_timeout_ms = 0, .storage = machine_.storage}),
       stamps_([this]() -> antiskid::can::ClockReading {
           const Time now = machine_.now();
           return {.wall_minus_monotonic = machine_.wall_minus_monotonic(now), .monotonic = now};
@@ -41,15 +41,26 @@ BridgeProgram::BridgeProgram(const rig::bridge::BridgeSetup& setup, BridgeCampai
       listener_(setup.layout, setup.meter),
       plc_(setup.map, std::move(line), [this] { return time(); }),
       node_(setup.layout, setup.meter.period_s, setup.limits, plc_, feed_, machine_.sends) {
-    const rig::record::Resumed resumed = ledger_.open_campaign({.name = kSimulatedCampaign,
-                                                                .scenario = setup.scenario.name,
-                                                                .seed = setup.options.seed,
-                                                                .planned = campaign_.planned,
-                                                                .config_hash = setup.config_hash,
-                                                                .version = ANTISKID_VERSION,
-                                                                .created = wall_text()},
-                                                               rig::record::IfChanged::reject, [this](const Attempt& left) { return meter(left); });
-    if (mistake_ == BridgeMistake::counts_by_itself) next_ = ledger_.finished_count() + static_cast<std::int64_t>(resumed.unfinished.size()) + 1;
+    open();
+}
+
+void BridgeProgram::open() {
+    const auto product = machine_.gate.product();
+    ledger_ = std::make_unique<rig::record::Ledger>(kSimulatedLedger, rig::record::LedgerOptions{.busy_timeout_ms = 0, .storage = machine_.storage});
+    const rig::record::Resumed resumed = ledger_->open_campaign({.name = kSimulatedCampaign,
+                                                                 .scenario = setup_.scenario.name,
+                                                                 .seed = setup_.options.seed,
+                                                                 .planned = campaign_.planned,
+                                                                 .config_hash = setup_.config_hash,
+                                                                 .version = ANTISKID_VERSION,
+                                                                 .created = wall_text()},
+                                                                rig::record::IfChanged::reject, [this](const Attempt& left) { return meter(left); });
+    if (mistake_ == BridgeMistake::counts_by_itself) next_ = ledger_->finished_count() + static_cast<std::int64_t>(resumed.unfinished.size()) + 1;
+}
+
+void BridgeProgram::tell_books(const std::function<void()>& what) {
+    const auto simulation = machine_.gate.simulation();
+    what();
 }
 
 Time BridgeProgram::time() const {
@@ -65,9 +76,14 @@ std::string BridgeProgram::wall_text() const {
 std::optional<Summary> BridgeProgram::meter(const Attempt& left) {
     if (mistake_ == BridgeMistake::forgets_energy_left) return std::nullopt;
     if (!std::filesystem::exists(machine_.storage->status(left.folder / "bus.log"))) return std::nullopt;
-    const PassingFile file(log_bytes(left, *machine_.storage));
-    const auto summary = rig::bridge::summary_of_left(setup_, left, file.path());
+    std::optional<PassingFile> file;
+    {
+        const auto simulation = machine_.gate.simulation();
+        file.emplace(log_bytes(left, *machine_.storage));
+    }
+    auto summary = rig::bridge::summary_of_left(setup_, left, file->path());
     if (!summary) return std::nullopt;
+    const auto simulation = machine_.gate.simulation();
     const double counted_J = rig::record::counted_energy_J(*summary);
     books_.of(left).measured_J.insert(counted_J);
     if (mistake_ == BridgeMistake::counts_energy_left_twice) left_J_ = counted_J;
@@ -141,41 +157,44 @@ const rig::bridge::Moment& BridgeProgram::step() {
 }
 
 std::optional<std::int64_t> BridgeProgram::next_number() const {
-    if (mistake_ != BridgeMistake::counts_by_itself) return ledger_.next_number();
+    if (mistake_ != BridgeMistake::counts_by_itself) return ledger_->next_number();
     return next_ <= campaign_.planned ? std::optional(next_) : std::nullopt;
 }
 
 void BridgeProgram::begin() {
+    const auto product = machine_.gate.product();
     const auto number = next_number();
     complete_ = !number;
     if (complete_) return;
-    attempt_ = ledger_.begin(*number, wall_text());
-    books_.begun(attempt_);
+    attempt_ = ledger_->begin(*number, wall_text());
+    tell_books([&] { books_.begun(attempt_); });
     run_.emplace(Run{.request = {.plan = campaign_.plan,
                                  .campaign = kSimulatedCampaign,
                                  .number = attempt_.number,
                                  .folder = attempt_.folder,
-                                 .specimen = ledger_.specimen(),
-                                 .taken_J = ledger_.cumulative_energy_J(),
+                                 .specimen = ledger_->specimen(),
+                                 .taken_J = ledger_->cumulative_energy_J(),
                                  .view = std::nullopt},
                      .introduced = machine_.now() + kIntroduction});
 }
 
 void BridgeProgram::begin_record() {
+    const auto product = machine_.gate.product();
     const Time now = machine_.now();
-    run_->started = wall_text();
+    Run& run = *run_;
+    run.started = wall_text();
     auto bus_log = std::make_unique<rig::record::AppendFile>(attempt_.folder / "bus.log", *machine_.storage);
-    run_->bus_log = bus_log.get();
-    run_->recording = std::make_unique<rig::bridge::Recording>(std::move(bus_log), setup_.options.interface, setup_.layout, setup_.meter,
-                                                               machine_.wall_minus_monotonic(now));
-    feed_.heard.wall_minus_monotonic = run_->recording->label.of(Time{});
-    feed_.heard.missing = 0;
+    run.bus_log = bus_log.get();
+    run.recording = std::make_unique<rig::bridge::Recording>(std::move(bus_log), setup_.options.interface, setup_.layout, setup_.meter,
+                                                             machine_.wall_minus_monotonic(now));
     auto modbus_csv = std::make_unique<rig::record::AppendFile>(attempt_.folder / "modbus.csv", *machine_.storage);
-    run_->modbus_csv = modbus_csv.get();
-    run_->samples = std::make_unique<rig::record::SampleLog>(std::move(modbus_csv));
+    run.modbus_csv = modbus_csv.get();
+    run.samples = std::make_unique<rig::record::SampleLog>(std::move(modbus_csv));
+    feed_.heard.wall_minus_monotonic = run.recording->label.of(Time{});
+    feed_.heard.missing = 0;
     next_write_ = now + kWrite;
     next_sync_ = now + kSync;
-    run_->sequencer.emplace(run_->request.plan);
+    run.sequencer.emplace(run.request.plan);
 }
 
 void BridgeProgram::follow(const rig::bridge::Moment& moment) {
@@ -190,6 +209,7 @@ void BridgeProgram::follow(const rig::bridge::Moment& moment) {
 }
 
 void BridgeProgram::close() {
+    const auto product = machine_.gate.product();
     Run& run = *run_;
     const bool late = mistake_ == BridgeMistake::enters_before_it_is_synced;
     bool whole = true;
@@ -197,7 +217,7 @@ void BridgeProgram::close() {
         run.recording->log.flush();
     else
         whole = run.recording->log.finish();
-    if (whole && !late) books_.synced(attempt_);
+    if (whole && !late) tell_books([&] { books_.synced(attempt_); });
     whole = run.samples->finish() && whole;
     if (!whole && run.record_error.empty()) run.record_error = run.recording->log.error() + run.samples->error();
     Summary summary = rig::bridge::summary_of(setup_, run.request, *run.sequencer, run.started, *run.recording, run.record_error.empty());
@@ -216,16 +236,18 @@ void BridgeProgram::close() {
 
 void BridgeProgram::enter(const Summary& summary) {
     const double counted_J = rig::record::counted_energy_J(summary);
-    books_.of(attempt_).measured_J.insert(counted_J);
+    tell_books([&] { books_.of(attempt_).measured_J.insert(counted_J); });
     try {
-        rig::bridge::enter(ledger_, attempt_.folder, summary, *machine_.storage);
+        rig::bridge::enter(*ledger_, attempt_.folder, summary, *machine_.storage);
     } catch (const rig::record::LedgerInDoubt&) {
         throw;
     } catch (const rig::record::LedgerError&) {
-        books_.refused(attempt_);
-        throw;
+        tell_books([&] { books_.refused(attempt_); });
+        if (mistake_ != BridgeMistake::overlooks_no_memory) throw;
+    } catch (const std::bad_alloc&) {
+        if (mistake_ != BridgeMistake::overlooks_no_memory) throw;
     }
-    if (summary.outcome == rig::name(Phase::finished)) books_.finished(attempt_, counted_J);
+    if (summary.outcome == rig::name(Phase::finished)) tell_books([&] { books_.finished(attempt_, counted_J); });
 }
 
 }  // namespace plant_sim::simulation

@@ -9,6 +9,7 @@
 
 #include "firmware/can/bus.hpp"
 #include "firmware/can/wall_clock_offset.hpp"
+#include "plant_sim/simulation/allocation_gate.hpp"
 #include "plant_sim/simulation/campaign_books.hpp"
 #include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/maneuver_record.hpp"
@@ -29,6 +30,7 @@ enum class BridgeMistake : std::uint8_t {
     enters_before_it_is_synced,  ///< the recording
     keeps_wall_clock_stamps,     ///< in the recording, when the clock is set
     waits_by_wall_clock,         ///< time-outs
+    overlooks_no_memory,         ///< as it enters a maneuver
 };
 
 /// The machine that it runs on.
@@ -39,6 +41,7 @@ struct BridgeMachine {
     /// Of the wall clock, at that time of the other.
     std::function<antiskid::can::Time(antiskid::can::Time)> wall_minus_monotonic;
     std::shared_ptr<const settings::Storage> storage;
+    AllocationGate& gate;
 };
 
 /// What is run, as kSimulatedCampaign.
@@ -93,6 +96,8 @@ class BridgeProgram {
         std::string record_error{};
     };
 
+    void tell_books(const std::function<void()>& what);
+    void open();
     [[nodiscard]] std::optional<rig::record::Summary> meter(const rig::record::Attempt& left);
     [[nodiscard]] std::optional<std::int64_t> next_number() const;
     void begin();
@@ -114,7 +119,7 @@ class BridgeProgram {
     double left_J_ = 0.0;
     std::int64_t next_ = 1;  // counts_by_itself
 
-    rig::record::Ledger ledger_;
+    std::unique_ptr<rig::record::Ledger> ledger_;
     antiskid::can::WallClockOffset stamps_;
     rig::bridge::BusListener listener_;
     Client plc_;

@@ -16,6 +16,7 @@
 #include "plant_sim/simulation/energy_account.hpp"
 #include "plant_sim/simulation/fault_timeline.hpp"
 #include "plant_sim/simulation/faulty_bus.hpp"
+#include "plant_sim/simulation/remade_figures.hpp"
 #include "plant_sim/simulation/simulated_line.hpp"
 
 namespace plant_sim::simulation {
@@ -64,8 +65,10 @@ class CellCampaign {
           plan_(plan_of(setup)),
           max_sound_attempts_(planned_ + 3 * static_cast<std::int64_t>(faults.size()) + 3),
           disk_(std::make_shared<SimulatedDisk>(seed)),
+          gate_(std::make_shared<AllocationGate>(setup.allocations)),
           books_(disk_),
           account_(0.5 * setup.bridge.meter.flywheel_mass_kg * plan_.speed_mps * plan_.speed_mps),
+          remade_(setup.bridge, disk_),
           bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { witness(end, frame, damaged); }),
           at_rig_(bus_.connect()),
           at_controller_(bus_.connect()),
@@ -75,7 +78,9 @@ class CellCampaign {
           rig_(setup.bridge.scenario.rig, setup.machinery, seed),
           serving_(rig_, layout_, at_rig_, clock_, period_, [this](plc::ServedRig& rig) { exchange(rig); }),
           judge_(setup, plan_, rig_, [this](const std::string& what) { violated(what); }),
-          faults_(faults) {}
+          faults_(faults) {
+        disk_->use(gate_);
+    }
 
     CellOutcome run() {
         constexpr double kLongest_s = 3000.0;
@@ -85,8 +90,9 @@ class CellCampaign {
                 violated(fmt::format("the campaign does not come to its end: {} maneuvers in {} attempts", planned_, out_.attempts));
         }
         if (out_.violations.empty()) {
-            disk_->restart();  // the power is cut at rest
             end_bridge(clock_.now());
+            disk_->restart();  // the power is cut at rest
+            check_disk();
             check_numbers();
         }
         out_.simulated_s = seconds(clock_.now());
@@ -255,7 +261,8 @@ class CellCampaign {
                                                           .hears = bridge_hears_,
                                                           .now = [this] { return clock_.now(); },
                                                           .wall_minus_monotonic = [this](Time at) { return clock_.wall_minus_monotonic(at); },
-                                                          .storage = disk_},
+                                                          .storage = disk_,
+                                                          .gate = *gate_},
                                             std::make_unique<SimulatedLine>(bank_, setup_.bridge.map.link, line_, draw_), books_, setup_.mistake);
     }
 
@@ -264,7 +271,7 @@ class CellCampaign {
         try {
             if (!bridge_) start_bridge();
             run_bridge();
-        } catch (const std::runtime_error& error) {  // LedgerError, settings::Error, a recording that cannot be made
+        } catch (const std::exception& error) {  // LedgerError, settings::Error, a recording that cannot be made, no memory
             if (disk_->runs()) {
                 constexpr Time kService{1'000'000'000};
                 tell(fmt::format("the bridge ends: {}", error.what()));
@@ -326,6 +333,8 @@ class CellCampaign {
         for (const std::string& what : books_.check()) violated(what);
         disk_->pause(false);
         for (const std::string& what : account_.check(books_.rows())) violated(what);
+        if (out_.violations.empty())
+            for (const std::string& what : remade_.check(books_.rows())) violated(what);
     }
 
     void check_numbers() {
@@ -349,8 +358,10 @@ class CellCampaign {
     rig::Plan plan_;
     std::int64_t max_sound_attempts_;  // one for each maneuver, and what a fault still spoils after its end
     std::shared_ptr<const SimulatedDisk> disk_;
+    std::shared_ptr<AllocationGate> gate_;
     CampaignBooks books_;
     EnergyAccount account_;
+    RemadeFigures remade_;
     FaultyBus bus_;
     FaultyBus::End &at_rig_, &at_controller_, &bridge_sends_, &bridge_hears_;
     rig::modbus::RegisterBank bank_;

@@ -35,6 +35,9 @@ struct CellSetup {
     // Mistakes.
     BridgeMistake mistake = BridgeMistake::none;
     bool interlocks_trip = true;  ///< the PLC looks at its interlocks
+
+    /// For a test that has allocations of the bridge fail, those of its main loop apart.
+    AllocationGate::Hook allocations = {};
 };
 
 /// A light landing from some 10 m/s, which takes a third of a minute. Throws as rig::bridge::load_setup does.
@@ -45,7 +48,7 @@ struct CellOutcome {
     std::int64_t attempts = 0;
     std::int64_t finished = 0;
     std::int64_t starts = 0;       ///< of the bridge
-    std::int64_t refusals = 0;     ///< ends of it because the disk refused
+    std::int64_t refusals = 0;     ///< ends of it because disk or memory refused
     std::uint64_t damaged = 0;     ///< logs of which the reader says so, each time that it looked
     std::uint64_t operations = 0;  ///< of the disk
     double simulated_s = 0.0;

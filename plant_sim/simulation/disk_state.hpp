@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "plant_sim/simulation/allocation_gate.hpp"
 #include "plant_sim/simulation/simulated_disk.hpp"
 #include "rig_bridge/wear/draw.hpp"
 
@@ -71,6 +72,7 @@ struct DiskState {
     std::array<std::uint64_t, kDiskFaultNames.size()> struck{};
     std::map<std::string, NodePointer> names{};
     std::set<std::string> held{};
+    std::shared_ptr<AllocationGate> gate = std::make_shared<AllocationGate>();
 
   private:
     enum class Kind : std::uint8_t { write, create, sync, must_not_fail, other };

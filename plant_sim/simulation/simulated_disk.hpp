@@ -36,12 +36,16 @@ enum class SqliteLapse : std::uint8_t { none, journal_name_unnoticed, removal_no
 /// Takes a line for each operation that changes something.
 using DiskTrace = std::function<void(const std::string& line)>;
 
+class AllocationGate;
 struct DiskState;
 
 class SimulatedDisk final : public settings::Storage {
   public:
     explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, SqliteLapse lapse = SqliteLapse::none);
     ~SimulatedDisk() override;
+
+    /// What the disk itself allocates is the simulation's.
+    void use(std::shared_ptr<AllocationGate> gate) const;
 
     /// From the `at`-th changing operation since the newest restart(), counted from 1, the first that `fault` can befall. Of `no_space`: for
     /// `lasts` of them.
