@@ -80,6 +80,7 @@ class CellCampaign {
           judge_(setup, plan_, rig_, [this](const std::string& what) { violated(what); }),
           faults_(faults) {
         disk_->use(gate_);
+        bridge_hears_.on_computer_of(bridge_sends_);
     }
 
     CellOutcome run() {
@@ -305,13 +306,15 @@ class CellCampaign {
             attempt_folder_ = bridge_->attempt().folder;
             ++out_.attempts;
             if (!faults_.any()) ++sound_attempts_;
-            account_.begun(attempt_folder_);
             tell(fmt::format("maneuver {}, attempt {}", bridge_->attempt().number, bridge_->attempt().attempt));
             phase_ = Phase::finished;
         }
         const rig::Sequencer* const sequencer = bridge_->sequencer();
         if (sequencer == nullptr || sequencer->phase() == phase_) return;
-        if (phase_ == Phase::finished) judge_.begun();
+        if (phase_ == Phase::finished) {
+            judge_.begun();
+            account_.begun(attempt_folder_);
+        }
         phase_ = sequencer->phase();
         tell(fmt::format("{}{}", rig::name(phase_), phase_ == Phase::aborting ? fmt::format(": {}", rig::name(sequencer->abort())) : ""));
         faults_.reached(phase_, out_.attempts, clock_.now());
@@ -370,22 +373,23 @@ class CellCampaign {
     ServeNode serving_;
     CellJudge judge_;
     FaultTimeline faults_;
-    bool frozen_ = false;
-    unsigned open_ = 0;
 
     std::optional<antiskid::control::Controller> controller_;
     std::optional<antiskid::can::ControllerPort> port_;
     Time controller_away_{};
-    std::uint32_t missed_ = 0;
 
     std::unique_ptr<BridgeProgram> bridge_;
     Time bridge_away_{}, loop_away_{}, next_poll_{}, next_step_{};
     Time down_{};  // for how long the next that ends the bridge does
     std::filesystem::path attempt_folder_;
-    Phase phase_ = Phase::finished;
     std::int64_t sound_attempts_ = 0;
-    bool complete_ = false;
     CellOutcome out_;
+
+    unsigned open_ = 0;         // interlocks
+    std::uint32_t missed_ = 0;  // periods of the controller
+    Phase phase_ = Phase::finished;
+    bool frozen_ = false;  // the PLC's registers
+    bool complete_ = false;
 };
 
 }  // namespace

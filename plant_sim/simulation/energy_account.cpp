@@ -50,6 +50,11 @@ void EnergyAccount::bridge_ended() {
 
 std::vector<std::string> EnergyAccount::check(std::span<const LedgerRow> rows) const {
     std::vector<std::string> wrong;
+    for (const LedgerRow& row : rows)
+        if (row.counted_J != 0.0 &&
+            std::none_of(attempts_.begin(), attempts_.end(), [&](const Attempt& one) { return one.folder == row.attempt.folder; }))
+            wrong.push_back(
+                fmt::format("maneuver {}, attempt {}: {:.0f} J, and it was not run", row.attempt.number, row.attempt.attempt, row.counted_J));
     for (std::size_t i = 0; i < attempts_.size(); ++i) {
         const Attempt& attempt = attempts_[i];
         const auto row = std::find_if(rows.begin(), rows.end(), [&](const LedgerRow& one) { return one.attempt.folder == attempt.folder; });

@@ -20,6 +20,7 @@ class EnergyAccount {
 
     /// In every period; `taken_J` is of the brake's whole life, here and below.
     void pass(antiskid::control::Time now, double taken_J);
+    /// Its recording begins: what the brake takes until the next one does is of this attempt.
     void begun(const std::filesystem::path& folder) { attempts_.push_back({.folder = folder, .before_J = taken_J_}); }
     /// A bridge dies, and with the power the end of its recording.
     void bridge_ended();

@@ -35,6 +35,8 @@ class FaultyBus {
         /// Of the frames to this end, as they are sent, `share` suffer `fault`.
         void strike(FrameFault fault, double share) { shares_.at(static_cast<std::size_t>(fault)) = share; }
         void calm() { shares_.fill(0.0); }
+        /// Frames of `sender` come whole: both are sockets of one computer, whose kernel echoes what it has sent.
+        void on_computer_of(const End& sender) { neighbour_ = &sender; }
 
       private:
         friend class FaultyBus;
@@ -42,11 +44,12 @@ class FaultyBus {
             antiskid::can::Frame frame;  // received: when it arrives
             bool damaged = false;
         };
-        void take(const antiskid::can::Frame& frame);
+        void take(const antiskid::can::Frame& frame, const End& from);
         void insert(const Travelling& one);
 
         FaultyBus& bus_;
         bool deaf_;
+        const End* neighbour_ = nullptr;
         std::deque<Travelling> queue_;  // earliest first
         std::array<double, kFrameFaults> shares_{};
         antiskid::can::LinkStatus status_;
