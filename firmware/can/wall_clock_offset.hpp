@@ -1,6 +1,7 @@
 /// Takes kernel time stamps, which are wall clock, to the monotonic clock.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -33,6 +34,7 @@ class WallClockOffset {
         was_set_ = !was_set_ && differs(offset_, before);
         if (was_set_) offset_ = before;
     }
+    /// Never before the frame before it, nor still to come.
     [[nodiscard]] Time monotonic(Time wall) {
         const Time mapped = wall - offset_;
         if (mapped >= last_ && mapped - last_ <= kLeap) return last_ = mapped;
@@ -44,7 +46,9 @@ class WallClockOffset {
             offset_ = before;
             return last_ = mapped;
         }
-        return last_ = fresh;
+        // A clock that was set and set back before anybody looked leaves stamps of neither offset. Frames are read in the order in which they came, and
+        // none before it came.
+        return last_ = std::clamp(fresh, last_, std::max(last_, now));
     }
 
   private:
