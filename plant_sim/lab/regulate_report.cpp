@@ -60,6 +60,21 @@ std::size_t shown_fixed(const RegulateReport& r) {
     return 1;
 }
 
+std::string money_text(const RegulateReport& r) {
+    std::string text = fmt::format(
+        "\nin the owner's money, a landing: {:.2f} is the least that any choice of references can cost, {:.2f} where one must serve all surfaces; "
+        "{:.2f} "
+        "where nobody cares for common visits\n",
+        r.cost_bound, r.cost_untold, r.cost_unshared);
+    const std::vector<bool> possible = r.feasible();
+    for (const PolicyLives& p : r.policies) {
+        const double cost = r.cost_bound + regulation::summary(p, possible, r.plan.tolerance).loss;
+        if (!p.policy.fixed && !p.policy.bound && cost > r.cost_unshared)
+            text += fmt::format("SHARING A VISIT DOES NOT PAY at these prices for \"{}\": {:.2f}\n", p.policy.name, cost);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::vector<bool> RegulateReport::feasible() const {
@@ -83,17 +98,17 @@ std::string to_text(const RegulateReport& r) {
     const PolicyLives& regulated = r.policies.front();
     for (std::size_t i = 0; i < regulated.lives.size(); ++i) text += life_text(regulated.lives[i], static_cast<int>(i) + 1, r.plan);
     auto table = settings::TextTable::markdown(
-        "policy|met, of feasible lives|together, of all lives|first limit at landing:.1f|left of the other: mean:|worst|brake used at plan|tyre used "
-        "at plan|mean J_mu:.4f|least J_mu:.3f|mean distance (m):.1f");
+        "policy|met, of feasible lives|together, of all lives|first limit at landing:.1f|left of the other: mean:|worst|mean J_mu:.4f|least "
+        "J_mu:.3f|mean "
+        "distance (m):.1f|cost a landing:.2f|above the bound:.2f");
     const auto percent = [](double share, int digits) { return fmt::format("{:.{}f} %", share * 100.0, digits); };
     const std::vector<bool> possible = r.feasible();
     for (const PolicyLives& p : r.policies) {
         const Summary s = regulation::summary(p, possible, r.plan.tolerance);
         table.add(p.policy.name, fmt::format("{} of {}", s.met, s.feasible), fmt::format("{} of {}", s.together, p.lives.size()), s.first_landing,
-                  percent(s.other_left, 2), percent(s.worst_other_left, 2), percent(s.brake_at_plan, 1), percent(s.tyre_at_plan, 1), s.j_mu,
-                  s.min_j_mu, s.distance_m);
+                  percent(s.other_left, 2), percent(s.worst_other_left, 2), s.j_mu, s.min_j_mu, s.distance_m, s.cost, s.loss);
     }
-    text += "\n" + table.text();
+    text += "\n" + table.text() + money_text(r);
     const Summary s = regulation::summary(regulated, possible, r.plan.tolerance);
     fmt::format_to(std::back_inserter(text), "\n{}\n",
                    !r.options.worst_stops ? "stop distances were not checked against the floor"
@@ -130,9 +145,13 @@ std::string to_json(const RegulateReport& r) {
                                   {"probability", r.limits.probability}}},
                                 {"mix", r.options.mix == regulation::Mix::random ? "random" : "balanced"},
                                 {"missing", r.options.missing},
-                                {"brake_deviation", r.options.brake_deviation},
-                                {"inspection_landings", r.options.inspection},
-                                {"forecast", r.options.life_forecast.has_value() && r.options.inspection == 0},
+                                {"life_deviation", r.options.brake_deviation},
+                                {"tyre_deviation", r.options.tyre_deviation},
+                                {"inspection_landings", r.options.inspection.landings},
+                                {"inspection_error", r.options.inspection.error},
+                                {"cost_bound", r.cost_bound},
+                                {"cost_untold", r.cost_untold},
+                                {"cost_unshared", r.cost_unshared},
                                 {"floor_checked", r.options.worst_stops},
                                 {"all_met", r.all_met()}};
     auto policies = nlohmann::ordered_json::array();
@@ -148,6 +167,8 @@ std::string to_json(const RegulateReport& r) {
                                    {"worst_other_left", s.worst_other_left},
                                    {"brake_used_at_plan", s.brake_at_plan},
                                    {"tyre_used_at_plan", s.tyre_at_plan},
+                                   {"cost", s.cost},
+                                   {"cost_above_bound", s.loss},
                                    {"j_mu", s.j_mu},
                                    {"min_j_mu", s.min_j_mu},
                                    {"distance_m", s.distance_m}};
