@@ -1,9 +1,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -74,24 +76,21 @@ struct RegulateCommand {
         options.costs = regulation::costs_of(asked.prices, report.plan);
         options.scenarios = sites.sites.size();
         options.worst_stops = floor_check && !by_table;
-        regulation::BoundProblem problem{.table = asked.floor, .allowed = {}, .landing_J = {}, .costs = options.costs, .begins = {}};
-        for (const wear::SurfaceTable::Row& row : asked.floor.rows) problem.allowed.push_back(asked.range_on(row.surface));
         for (const LandingSite& site : sites.sites) {
-            const auto row = static_cast<std::size_t>(asked.floor.find(site.surface) - asked.floor.rows.data());
-            options.allowed_on.push_back(problem.allowed[row]);
-            options.surface_of.push_back(row);
-            if (row == options.surface_of.front()) problem.landing_J.push_back(site.kinetic_J());
+            options.allowed_on.push_back(asked.range_on(site.surface));
+            options.surface_of.push_back(static_cast<std::size_t>(asked.floor.find(site.surface) - asked.floor.rows.data()));
         }
-        for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(lives); ++life) {
-            const regulation::Truth truth = regulation::truth_of(report.plan, brake, options, life);
-            problem.begins.push_back({truth.brake.life_J - report.plan.brake_taken_J, truth.tyre_life_J - report.plan.tyre_taken_J});
-        }
-        const regulation::Bound bound(problem);
-        options.bound = &bound;
-        report.cost_bound = bound.per_landing();
+        const regulation::BoundProblem problem = problem_of(asked, sites, report.plan, options);
+        std::array<std::optional<regulation::Bound>, 2> bounds;  // told the surface, and not
+        wear::run_jobs(threads, bounds.size(), [&](std::size_t i) {
+            regulation::BoundProblem one = problem;
+            one.told = i == 0;
+            bounds.at(i).emplace(std::move(one));
+        });
+        options.bound = &*bounds[0];
+        report.cost_bound = bounds[0]->per_landing();
+        report.cost_untold = bounds[1]->per_landing();
         report.cost_unshared = regulation::cost_unshared(problem);
-        problem.told = false;
-        report.cost_untold = regulation::Bound(problem).per_landing();
         antiskid::host::StopSignals signals;
         const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
         const int stops_a_life = static_cast<int>(all.size()) + (options.worst_stops ? 2 : 0);
@@ -119,6 +118,20 @@ struct RegulateCommand {
     }
 
   private:
+    /// The lives' pairs as they really are, on landings as the sites make them.
+    [[nodiscard]] static regulation::BoundProblem problem_of(const wear::RegulationConfig& asked, const LandingSites& sites,
+                                                             const wear::WearPlan& plan, const regulation::FleetOptions& options) {
+        regulation::BoundProblem problem{.table = asked.floor, .allowed = {}, .landing_J = {}, .costs = options.costs, .begins = {}};
+        for (const wear::SurfaceTable::Row& row : asked.floor.rows) problem.allowed.push_back(asked.range_on(row.surface));
+        for (const LandingSite& site : sites.sites) {  // a maneuver brings the same energy on every surface
+            if (site.surface == sites.sites.front().surface) problem.landing_J.push_back(site.kinetic_J());
+        }
+        for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(options.lives); ++life) {
+            const regulation::Truth truth = regulation::truth_of(plan, sites.sites.front().rig.wear, options, life);
+            problem.begins.push_back({truth.brake.life_J - plan.brake_taken_J, truth.tyre_life_J - plan.tyre_taken_J});
+        }
+        return problem;
+    }
     [[nodiscard]] int characterise() const {
         const LandingSites sites = load_sites(config);
         antiskid::host::StopSignals signals;
@@ -141,8 +154,8 @@ struct RegulateCommand {
         constexpr int kByHand = 64;  // landings between two visits of who sets the reference by hand
         std::vector<regulation::Policy> all{{.name = "one reference for all"},
                                             {.name = "told the surface", .told = true},
-                                            {.name = "one reference, no inspection", .inspected = false},
-                                            {.name = "one reference, forecast by friction", .inspected = false, .forecast = true},
+                                            {.name = "one reference without inspection", .inspected = false},
+                                            {.name = "one reference by the forecast", .inspected = false, .forecast = true},
                                             {.name = "reset by hand every 64 landings", .every = kByHand}};
         for (const double reference : fixed) {
             if (std::abs(reference - best) > 1e-6) all.push_back({.name = fmt::format("fixed {:.2f}", reference), .fixed = reference});

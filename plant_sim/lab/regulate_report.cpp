@@ -234,23 +234,20 @@ void draw(const RegulateReport& r, const std::filesystem::path& png) {
         reference.series.back().in_legend = i < 2;
         reference.series.back().width = i == 0 ? 2.0 : 0.8;
     }
-    Series brakes{.name = "brake, each life", .style = Style::points, .colour = pictures::blue};
-    Series tyres{.name = "tyre, each life", .style = Style::points, .colour = pictures::vermillion};
+    Series each{.name = "each life", .style = Style::points, .colour = pictures::grey};
+    Series means{.name = "mean", .style = Style::points, .colour = pictures::vermillion};
+    const auto count = static_cast<double>(r.policies.size());
     for (std::size_t p = 0; p < r.policies.size(); ++p) {
-        for (const Life& one : r.policies[p].lives) {
-            brakes.add(static_cast<double>(p) - 0.08, one.brake_at_plan * 100.0);
-            brakes.notes.emplace_back(&one == &r.policies[p].lives.front() ? r.policies[p].policy.name : "");
-            tyres.add(static_cast<double>(p) + 0.08, one.tyre_at_plan * 100.0);
-        }
+        const double line = count - static_cast<double>(p);
+        for (const Life& one : r.policies[p].lives) each.add(one.other_left * 100.0, line);
+        means.add(regulation::summary(r.policies[p], r.feasible(), r.plan.tolerance).other_left * 100.0, line + 0.35);
+        means.notes.push_back(r.policies[p].policy.name);
     }
-    const double end = static_cast<double>(r.policies.size()) - 0.4;
-    const double tolerance = 100.0 * r.plan.tolerance;
-    const pictures::Chart policies{
-        .y_label = "used at the planned landing (%)",
-        .x_label = "policy",
-        .series = {pictures::level(fmt::format("plan, within {} %", tolerance), -0.6, end, 100.0 + tolerance, pictures::grey),
-                   pictures::level("", -0.6, end, 100.0 - tolerance, pictures::grey), std::move(brakes), std::move(tyres)},
-        .x_range = pictures::Range{-0.6, end}};
+    const pictures::Chart policies{.y_label = "policy",
+                                   .x_label = "left of the other at the first limit (%)",
+                                   .series = {std::move(each), std::move(means)},
+                                   .x_range = pictures::Range{-1.0, 101.0},
+                                   .y_range = pictures::Range{0.5, count + 0.8}};
     pictures::draw(
         {.title = fmt::format("Brake and tyre used up together: {} {}, seed {}", lives.size(), lives.size() == 1 ? "life" : "lives", r.options.seed),
          .charts = {used, std::move(reference), policies}},

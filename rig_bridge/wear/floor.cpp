@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <stdexcept>
 
 namespace wear {
@@ -62,11 +63,17 @@ Range allowed(const SurfaceTable& table, std::span<const std::string> surfaces, 
             for (const SurfaceTable::Row& r : table.rows) known += (known.empty() ? "" : ", ") + r.surface;
             throw std::invalid_argument(fmt::format("the table of J_mu has no surface '{}'; it has {}", surface, known));
         }
-        const Range one = on_surface(x, *row, floor, reference);
-        range.lowest = std::max(range.lowest, one.lowest);
-        range.highest = std::min(range.highest, one.highest);
+        range = range.within(on_surface(x, *row, floor, reference));
     }
     return range;
+}
+
+std::vector<double> references_in(const SurfaceTable& table, const Range& range) {
+    std::vector<double> all{range.lowest};
+    std::copy_if(table.reference.begin(), table.reference.end(), std::back_inserter(all),
+                 [&](double r) { return r > range.lowest && r < range.highest; });
+    if (range.highest > range.lowest) all.push_back(range.highest);
+    return all;
 }
 
 }  // namespace wear

@@ -1,8 +1,10 @@
 /// Which slip references keep J_mu above a floor: the range that the table of surfaces allows.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "rig_bridge/wear/surface_table.hpp"
 
@@ -12,6 +14,8 @@ struct Range {
     double lowest = 0.0;
     double highest = 0.0;
     [[nodiscard]] bool contains(double reference) const { return reference >= lowest && reference <= highest; }
+    /// What both allow.
+    [[nodiscard]] Range within(const Range& other) const { return {std::max(lowest, other.lowest), std::min(highest, other.highest)}; }
     bool operator==(const Range&) const = default;
 };
 
@@ -19,5 +23,8 @@ struct Range {
 /// Throws std::invalid_argument, naming the surface, for one that the table does not have, or on which `reference` itself is below the floor
 /// or outside of the table.
 [[nodiscard]] Range allowed(const SurfaceTable& table, std::span<const std::string> surfaces, double floor, double reference);
+
+/// The table's references within `range`, and its ends.
+[[nodiscard]] std::vector<double> references_in(const SurfaceTable& table, const Range& range);
 
 }  // namespace wear

@@ -165,8 +165,7 @@ bool Regulator::revise_tyre_life(double life_J) {
 
 void Regulator::narrow(const Range& range) {
     need(range.contains(rules_.default_reference), "the default reference lies outside of the range");
-    range_.lowest = std::max(range_.lowest, range.lowest);
-    range_.highest = std::min(range_.highest, range.highest);
+    range_ = range_.within(range);
     reference_ = std::clamp(reference_, range_.lowest, range_.highest);
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <numeric>
 #include <stdexcept>
 
 namespace wear {
@@ -40,52 +42,44 @@ void SurfaceReferences::find_edges() {
     edges_.clear();
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
         Surface& surface = surfaces_[s];
-        std::vector<double>& x = surface.reference;
-        x = {surface.range.lowest};
-        std::copy_if(table_.reference.begin(), table_.reference.end(), std::back_inserter(x),
-                     [&](double r) { return r > surface.range.lowest && r < surface.range.highest; });
-        if (surface.range.highest > surface.range.lowest) x.push_back(surface.range.highest);
+        surface.reference = references_in(table_, surface.range);
         surface.share.clear();
-        surface.distance_m.clear();
-        for (const double r : x) {
+        std::vector<double> distance_m;
+        for (const double r : surface.reference) {
             surface.share.push_back(table_.at(table_.rows[s].tyre_share, r));
-            surface.distance_m.push_back(table_.at(table_.rows[s].distance_m, r));
+            distance_m.push_back(table_.at(table_.rows[s].distance_m, r));
         }
-        const std::vector<std::size_t> hull = lower_hull(surface.share, surface.distance_m);
+        const std::vector<std::size_t> hull = lower_hull(surface.share, distance_m);
         for (std::size_t k = 1; k < hull.size(); ++k) {
             const double share0 = surface.share[hull[k - 1]], share1 = surface.share[hull[k]];
-            const double rise_m = surface.distance_m[hull[k]] - surface.distance_m[hull[k - 1]];
+            const double rise_m = distance_m[hull[k]] - distance_m[hull[k - 1]];
             edges_.push_back({rise_m / (share1 - share0), s, share0, share1});
         }
     }
     std::stable_sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.slope_m < b.slope_m; });
 }
 
+double SurfaceReferences::all_weights() const {
+    return std::accumulate(surfaces_.begin(), surfaces_.end(), 0.0, [](double sum, const Surface& s) { return sum + s.weight; });
+}
+
 Range SurfaceReferences::shares() const {
     Range range;
-    double all = 0.0;
     for (const Surface& s : surfaces_) {
-        range.lowest += s.weight * s.share.front();
-        range.highest += s.weight * s.share.back();
-        all += s.weight;
+        range.lowest += s.weight * s.share.front() / all_weights();
+        range.highest += s.weight * s.share.back() / all_weights();
     }
-    return {range.lowest / all, range.highest / all};
+    return range;
 }
 
 double SurfaceReferences::default_share() const {
-    double share_sum = 0.0;
-    double all = 0.0;
-    for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-        share_sum += surfaces_[s].weight * share(s, default_reference_);
-        all += surfaces_[s].weight;
-    }
-    return share_sum / all;
+    double mean = 0.0;
+    for (std::size_t s = 0; s < surfaces_.size(); ++s) mean += surfaces_[s].weight * share(s, default_reference_) / all_weights();
+    return mean;
 }
 
 double SurfaceReferences::reference(std::size_t surface, double mean_share) const {
-    double all = 0.0;
-    for (const Surface& s : surfaces_) all += s.weight;
-    double missing = (mean_share - shares().lowest) * all;  // weighted share that edges still have to bring
+    double missing = (mean_share - shares().lowest) * all_weights();  // weighted share that edges still have to bring
     const Surface& here = surfaces_.at(surface);
     double share = here.share.front();
     for (const Edge& edge : edges_) {

@@ -39,7 +39,7 @@ class SurfaceReferences {
     struct Surface {
         Range range;
         double weight = 0.0;
-        std::vector<double> reference{}, share{}, distance_m{};  // allowed ones, both bounds among them
+        std::vector<double> reference{}, share{};  // allowed ones, both bounds among them
     };
     struct Edge {
         double slope_m;  // of distance over share
@@ -47,6 +47,7 @@ class SurfaceReferences {
         double share0, share1;
     };
     void find_edges();
+    [[nodiscard]] double all_weights() const;
 
     SurfaceTable table_;
     double default_reference_;

@@ -114,8 +114,21 @@ TEST_CASE("what a policy loses, landing by landing, is how far its cost lies abo
     }
 }
 
+TEST_CASE("with the shipped plan's surfaces and prices the grid is fine enough", "[STUDY-169]") {
+    const wear::RegulationConfig config = wear::load_regulation_config("config/regulation.toml");
+    BoundProblem problem{.table = config.floor,
+                         .allowed = {},
+                         .landing_J = {3.4e6, 4.6e6, 8.3e6},
+                         .costs = regulation::costs_of(config.prices, wear::plan_of(config, 3.9e9, 5.1e6, 1.9e6)),
+                         .begins = {{0.25e9, 0.08e9}, {0.15e9, 0.10e9}}};
+    for (const auto& row : config.floor.rows) problem.allowed.push_back(config.range_on(row.surface));
+    BoundProblem fine = problem;
+    fine.tyre_step_J = 0.10e9 / 1600.0;
+    CHECK(Bound(problem).per_landing() == Approx(Bound(fine).per_landing()).epsilon(0.0005));
+}
+
 TEST_CASE("where nobody shares, each part pays for visits of its own", "[STUDY-169]") {
-    // On dry: 1.0 + 8/20 a joule of brake, 0.9 + 8/7 of tyre, 7.5 J a landing: 0.2 is cheaper; on wet the shorter stop does not pay for the tyre either.
+    // 1.0 + 8/20 a joule of brake, 0.9 + 8/7 of tyre, 7.5 J a landing.
     const double brake = 1.4, tyre = 0.9 + 8.0 / 7.0;
     const double dry = 0.3 * 10.0 + 7.5 * (0.8 * brake + 0.2 * tyre);
     const double wet = std::min(0.3 * 26.0 + 7.5 * (0.8 * brake + 0.2 * tyre), 0.3 * 20.0 + 7.5 * (0.6 * brake + 0.4 * tyre));

@@ -14,22 +14,7 @@ namespace {
 constexpr std::size_t kShares = 26;  // of the tyre, from 0 in steps of kShareStep
 constexpr double kShareStep = 0.02;
 
-/// References of the table within `allowed`, and its ends.
-std::vector<double> references(const wear::SurfaceTable& table, const wear::Range& allowed) {
-    std::vector<double> all{allowed.lowest};
-    for (const double r : table.reference)
-        if (r > allowed.lowest && r < allowed.highest) all.push_back(r);
-    if (allowed.highest > allowed.lowest) all.push_back(allowed.highest);
-    return all;
-}
-
-wear::Range common(const std::vector<wear::Range>& all) {
-    wear::Range range = all.front();
-    for (const wear::Range& one : all) range = {std::max(range.lowest, one.lowest), std::min(range.highest, one.highest)};
-    return range;
-}
-
-/// Not std::lerp, which takes three times as long for an exactness that nobody needs here.
+/// The innermost loop: not std::lerp, which also minds infinities and exact ends.
 double between(const std::vector<double>& values, std::size_t i, double beyond) {
     return values[i] + beyond * (values[i + 1] - values[i]);
 }
@@ -57,10 +42,12 @@ Costs costs_of(const wear::Prices& prices, const wear::WearPlan& plan) {
 
 Bound::Bound(BoundProblem problem) : problem_(std::move(problem)) {
     const wear::SurfaceTable& table = problem_.table;
+    wear::Range common = problem_.allowed.front();
+    for (const wear::Range& allowed : problem_.allowed) common = common.within(allowed);
     double max_share = 0.0;
     for (std::size_t s = 0; s < table.rows.size(); ++s) {
         std::vector<Action>& actions = actions_.emplace_back();
-        for (const double r : references(table, problem_.told ? problem_.allowed.at(s) : common(problem_.allowed))) {
+        for (const double r : wear::references_in(table, problem_.told ? problem_.allowed.at(s) : common)) {
             actions.push_back(action_of(s, r));
             max_share = std::max(max_share, table.at(table.rows[s].tyre_share, r));
         }
@@ -197,7 +184,7 @@ double cost_unshared(const BoundProblem& problem) {
     for (std::size_t s = 0; s < problem.table.rows.size(); ++s) {
         const wear::SurfaceTable::Row& row = problem.table.rows[s];
         double min = std::numeric_limits<double>::infinity();
-        for (const double r : references(problem.table, problem.allowed[s])) {
+        for (const double r : wear::references_in(problem.table, problem.allowed[s])) {
             const double share = problem.table.at(row.tyre_share, r);
             min = std::min(min, c.metre * problem.table.at(row.distance_m, r) + landing_J * ((1.0 - share) * brake_per_J + share * tyre_per_J));
         }

@@ -171,7 +171,8 @@ void LivingPair::landed(std::span<const Stop> stops) {
     if (const Pair before = left(); options_.bound != nullptr && before.brake_J > 0.0 && before.tyre_J > 0.0)
         row.loss = options_.bound->loss(before, options_.surface_of[draw.scenario], row.reference);
     for (const Stop& worst : stops.subspan(1)) row.worst_distance_m = std::max(row.worst_distance_m, worst.distance_m);
-    brake_.take(stop.brake_J);
+    // Whoever goes on to the planned landing does so with a brake as it is at its limit: beyond it a lining's law soon leaves none.
+    brake_.take(std::clamp(options_.brake.life_J - brake_.state().c_e_J, 0.0, stop.brake_J));
     brake_J_ += stop.brake_J;
     tyre_J_ += stop.tyre_J;
     if (regulated()) {
@@ -181,7 +182,7 @@ void LivingPair::landed(std::span<const Stop> stops) {
     if (!options_.allowed_on.empty()) {
         const wear::Range& here = options_.allowed_on[draw.scenario];
         row.new_surface = range_.lowest < here.lowest || range_.highest > here.highest;
-        range_ = {std::max(range_.lowest, here.lowest), std::min(range_.highest, here.highest)};
+        range_ = range_.within(here);
         if (!options_.policy.told) regulator_.narrow(here);
     }
     row.share = stop.tyre_J / (stop.tyre_J + stop.brake_J);
@@ -198,9 +199,9 @@ void LivingPair::inspect() {
     constexpr std::uint64_t kStream = 1U << 21U;
     wear::Generator generator = wear::generator_of(options_.brake_seed, kStream + life_.rows.size());
     const auto seen = [&](double taken_J, double life_J) { return taken_J / life_J + options_.inspection.error * wear::normal(generator); };
-    brake_readings_.read(regulator_.brake_used_J(), seen(brake_.state().c_e_J, options_.brake.life_J));
-    const double tyre_taken_J = regulator_.plan().tyre_taken_J + tyre_J_;
-    tyre_readings_.read(regulator_.tyre_used_J(), seen(tyre_taken_J, options_.tyre_life_J));
+    const wear::WearPlan& plan = regulator_.plan();
+    brake_readings_.read(regulator_.brake_used_J(), seen(plan.brake_taken_J + brake_J_, options_.brake.life_J));
+    tyre_readings_.read(regulator_.tyre_used_J(), seen(plan.tyre_taken_J + tyre_J_, options_.tyre_life_J));
     regulator_.revise_brake_life(brake_readings_.life_J());
     regulator_.revise_tyre_life(tyre_readings_.life_J());
 }
