@@ -44,7 +44,7 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
         const EmRun& best = s.best.front().run;
         const std::size_t m = best.mixture.components;
         const double log_likelihood = best.log_likelihood - static_cast<double>(n) * per_point;
-        out.orders.push_back({m, log_likelihood, bic(log_likelihood, m, n), s.runs, s.not_converged, in_units(best.mixture, scale), kNotScored});
+        out.orders.push_back({m, log_likelihood, bic(log_likelihood, m, n), s.runs, s.not_converged, in_units(best.mixture, scale), {}});
         if (out.orders.back().bic < out.orders[out.chosen].bic) out.chosen = i;
     }
     return out;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <stop_token>
 #include <vector>
@@ -24,8 +24,6 @@ struct FitSettings {
     EmSettings em;
 };
 
-inline constexpr double kNotScored = std::numeric_limits<double>::quiet_NaN();
-
 /// What the search found for one M.
 struct OrderFit {
     std::size_t components = 0;
@@ -34,7 +32,7 @@ struct OrderFit {
     int runs = 0;           ///< random starts, and those from the best of M - 1 and M + 1
     int not_converged = 0;  ///< of them, carried to the end and stopped by EmSettings::max_iterations
     Mixture mixture;
-    double score = kNotScored;  ///< order_score.hpp
+    std::optional<double> score{};  ///< order_score.hpp; none: not scored
 };
 
 struct Fit {

@@ -1,7 +1,6 @@
 #include "rig_bridge/wear/model.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace wear {
 
@@ -22,10 +21,7 @@ Model model_of(const Campaign& campaign, const Fit& fit, const FitSettings& sett
                 {},
                 fit.best().mixture};
     model.orders.reserve(fit.orders.size());
-    for (const OrderFit& o : fit.orders) {
-        model.orders.push_back({.components = o.components, .log_likelihood = o.log_likelihood, .bic = o.bic});
-        if (std::isfinite(o.score)) model.orders.back().score = o.score;
-    }
+    for (const OrderFit& o : fit.orders) model.orders.push_back({o.components, o.log_likelihood, o.bic, o.score});
     return model;
 }
 

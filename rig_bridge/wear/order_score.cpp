@@ -47,7 +47,7 @@ double score_of(const Fold& fold, const Mixture& start, const EmSettings& settin
 }  // namespace
 
 std::vector<double> blocked_scores(const Campaign& campaign, const std::vector<OrderFit>& orders, const EmSettings& settings, unsigned threads) {
-    if (campaign.points.size() < kScoreBlock * kScoreFolds) return std::vector<double>(orders.size(), kNotScored);
+    if (campaign.points.size() < kScoreBlock * kScoreFolds) return {};
     const std::vector<Fold> folds = folds_of(campaign.points);
     std::vector<double> sums(orders.size() * kScoreFolds);
     run_jobs(threads, sums.size(),
@@ -60,7 +60,7 @@ std::vector<double> blocked_scores(const Campaign& campaign, const std::vector<O
 std::size_t greatest_score(const std::vector<OrderFit>& orders) {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < orders.size(); ++i)
-        if (std::isfinite(orders[i].score) && (!best || orders[i].score > orders[*best].score)) best = i;
+        if (orders[i].score && (!best || *orders[i].score > *orders[*best].score)) best = i;
     if (!best) throw std::invalid_argument(fmt::format("no order has a score: it takes {} maneuvers", kScoreBlock * kScoreFolds));
     return *best;
 }

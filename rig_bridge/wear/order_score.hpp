@@ -14,7 +14,7 @@ inline constexpr std::size_t kScoreFolds = 10;
 
 /// For each of `orders` the mean of log p(mean mu_b | c_e), exact eq. (14), of maneuvers in blocks that were left out of the fit, which is EM from
 /// the mixture of all. Greater is better. The same bytes on any number of threads. `campaign` is what the orders were fitted to, with at least
-/// kScoreBlock kScoreFolds maneuvers, else each score is NaN.
+/// kScoreBlock kScoreFolds maneuvers, else nothing is scored and the answer empty.
 [[nodiscard]] std::vector<double> blocked_scores(const Campaign& campaign, const std::vector<OrderFit>& orders, const EmSettings& settings,
                                                  unsigned threads = 1);
 

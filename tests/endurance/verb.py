@@ -104,7 +104,7 @@ with tempfile.TemporaryDirectory() as scratch:
     brake.write_text(brake.read_text().replace('"maneuvers": ', '"maneuvers": 1'))
     status, _, stderr = run(out, planned + 1, *keeps)
     check("a damaged brake is refused by name", status == 2 and str(brake) in stderr and "check_sum" in stderr, stderr)
-    status, _, stderr = run(scratch / "far", 1, "--brake", "700")
+    status, _, stderr = run(scratch / "far", 1, "--brake", "700", "--component", "mixture")
     check("beyond the data the brake is said to be so", "beyond the wear model's data" in stderr, stderr)
 
     status, _, stderr = run(scratch / "x", 0)
