@@ -247,7 +247,7 @@ void draw(const RegulateReport& r, const std::filesystem::path& png) {
                                    .x_label = "left of the other at the first limit (%)",
                                    .series = {std::move(each), std::move(means)},
                                    .x_range = pictures::Range{-1.0, 101.0},
-                                   .y_range = pictures::Range{0.5, count + 0.8}};
+                                   .y_range = pictures::Range{0.5, count + 1.0}};
     pictures::draw(
         {.title = fmt::format("Brake and tyre used up together: {} {}, seed {}", lives.size(), lives.size() == 1 ? "life" : "lives", r.options.seed),
          .charts = {used, std::move(reference), policies}},

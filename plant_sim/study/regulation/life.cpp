@@ -153,7 +153,8 @@ std::vector<LandingRequest> LivingPair::requests() const {
     std::vector<LandingRequest> requests{
         {.draw = draw, .reference = next_reference(), .mean_friction = friction, .metered = regulated() && draw.measured}};
     if (options_.worst_stops) {
-        for (const double end : {range_.lowest, range_.highest})
+        const wear::Range& range = regulator_.range();
+        for (const double end : {range.lowest, range.highest})
             requests.push_back({.draw = draw, .reference = end, .mean_friction = friction, .metered = false});
     }
     return requests;
