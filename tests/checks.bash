@@ -97,7 +97,7 @@ recovery() { # ARGS: of tests/vcan/recovery_table.py
 
 soak() {
     setup test >&2
-    build release antiskid-controller virtual-rig rig-bridge rig-replay >&2
+    build release antiskid-controller virtual-rig rig-bridge rig-replay soak_picture >&2
     cd "$root"
     case ${1-} in
         --unattended) unattended "${@:2}"; return ;;

@@ -21,7 +21,7 @@
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
 #include "plant_sim/model/open_loop.hpp"
-#include "rig_bridge/pictures/gnuplot.hpp"
+#include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 #include "tests/model/reference/profiles.hpp"
 #include "tests/model/reference/reference_plant.hpp"
@@ -232,21 +232,18 @@ double seconds_for(const std::vector<Contestant>& all, const std::string& method
 }
 
 void draw(const std::vector<Contestant>& all, double simulated_s, const std::filesystem::path& png) {
-    std::string script =
-        "set logscale xy\nset format xy '10^{%L}'\nset key bottom left\n"
-        "set xlabel 'processor time per simulated millisecond (ns)'\n"
-        "set ylabel 'largest error of the wheel speed, of free rolling'\n";
-    std::string plots;
-    for (const char* method : kMethods) {
-        const std::size_t number = script.size();
-        std::string rows;
+    std::vector<pictures::Series> curves;
+    for (std::size_t i = 0; i < kMethods.size(); ++i) {
+        pictures::Series& curve = curves.emplace_back(pictures::Series{.name = kMethods.at(i), .colour = i});
         for (const Contestant& one : all)
-            if (one.method == method) rows += fmt::format("{:.6g} {:.6g}\n", one.median_s() / simulated_s * 1e6, one.error_omega);
-        script += pictures::gnuplot_block(fmt::format("m{}", number), rows);
-        plots +=
-            fmt::format("{}$m{} with linespoints pt 7 lw 1.5 title {}", plots.empty() ? "plot " : ", ", number, pictures::gnuplot_quoted(method));
+            if (one.method == kMethods.at(i)) curve.add(one.median_s() / simulated_s * 1e6, one.error_omega);
     }
-    pictures::run_gnuplot(png, 900, 650, script + plots + "\n");
+    pictures::draw({.charts = {{.y_label = "largest error of the wheel speed, of free rolling",
+                                .x_label = "processor time per simulated millisecond (ns)",
+                                .series = std::move(curves),
+                                .logarithmic_x = true,
+                                .logarithmic_y = true}}},
+                   png);
 }
 
 nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int rounds, const std::filesystem::path& png) {

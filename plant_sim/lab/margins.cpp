@@ -16,8 +16,8 @@
 #include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/margins/margins_input.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"
 #include "rig_bridge/rig/compliance.hpp"
 
@@ -55,16 +55,6 @@ std::string pole_text(Complex pole) {
 Complex valve_answer(const rig::ValveParameters& valve, double w) {
     const double n = valve.natural_frequency_radps;
     return n * n / (n * n - w * w + Complex(0.0, 2.0 * valve.damping * n * w));
-}
-
-/// As compliance.hpp has it, "static" where nothing gives way.
-std::string tyre_name(const rig::Compliance& tyre) {
-    std::string name;
-    const auto add = [&name](const std::string& part) { name += (name.empty() ? "" : ", ") + part; };
-    if (tyre.ring.belt_share > 0.0)
-        add(fmt::format("ring {:g} Hz, damping {:g}, belt {:g}", tyre.ring.frequency_Hz, tyre.ring.damping, tyre.ring.belt_share));
-    if (tyre.relaxation.length_m > 0.0) add(fmt::format("relaxation {:g} m, floor {:g} m", tyre.relaxation.length_m, tyre.relaxation.floor_m));
-    return name.empty() ? "static" : name;
 }
 
 TyreRow tyre_row(const rig::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement) {
@@ -244,7 +234,7 @@ struct MarginsCommand {
     int run() {
         // CLI::Range lets a value pass that is no number.
         if (!std::isfinite(picture_mps)) throw std::invalid_argument("--picture-speed must be a number from 5 to 49");
-        MarginsInput input = load_margins_input(scenario);
+        margins::MarginsInput input = margins::load_margins_input(scenario);
         const auto tyres = tyre.tyres(input.cases.front().rig.wheel.compliance);
         settings::create_directories(out);  // refused now, not when the study is over
         options.slip_reference = scenario.slip;

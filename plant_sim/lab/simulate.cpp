@@ -90,12 +90,20 @@ struct FailingCommand {
     void show(const simulation::CellOutcome& sum, nlohmann::ordered_json& result) const {
         result["attempts"] = sum.attempts;
         result["finished"] = sum.finished;
+        result["starts"] = sum.starts;
+        result["ended_by_refusals"] = sum.refusals;
+        result["operations"] = sum.operations;
+        result["damaged_logs_named"] = sum.damaged;
         result["simulated_s"] = sum.simulated_s;
         result["frames_struck"] = sum.frames_struck;
         result["requests_struck"] = sum.requests_struck;
-        print_table(json_file, "{} maneuvers finished in {} attempts, {:.2f} h simulated; {} frames and {} requests struck\n", sum.finished,
-                    sum.attempts, sum.simulated_s / 3600.0, sum.frames_struck, sum.requests_struck);
+        print_table(json_file,
+                    "{} maneuvers finished in {} attempts, {} starts of the bridge, {:.2f} h simulated; {} frames and {} requests struck, {} "
+                    "operations of the disk\n",
+                    sum.finished, sum.attempts, sum.starts, sum.simulated_s / 3600.0, sum.frames_struck, sum.requests_struck, sum.operations);
         for (std::size_t i = 0; i < sum.begun.size(); ++i) count(simulation::kCellFaultNames.at(i), sum.begun.at(i), result["faults"]);
+        print_table(json_file, "  the disk:\n");
+        for (std::size_t i = 0; i < sum.disk_struck.size(); ++i) count(simulation::kDiskFaultNames.at(i), sum.disk_struck.at(i), result["struck"]);
         print_table(json_file, "  aborts:\n");
         for (const auto& [cause, times] : sum.aborts) count(cause, times, result["aborts"]);
     }
@@ -117,7 +125,7 @@ LabVerb simulate_verb(CLI::App& lab) {
     settings::one_of(
         verb->add_option("--failing", command->failing,
                          "disk: recorder, summary and ledger where the power is cut and the disk is full or refuses; cell: controller, rig "
-                         "and bridge, their frames, the PLC's requests, the interlocks"),
+                         "and bridge on such a disk, their frames, the PLC's requests, interlocks and wall clock"),
         {"disk", "cell"})
         ->capture_default_str();
     verb->add_option("--campaigns", command->campaigns, "how many")->check(CLI::Range(1, 1'000'000'000))->capture_default_str();
@@ -129,9 +137,9 @@ LabVerb simulate_verb(CLI::App& lab) {
     settings::add_out(*verb, command->out, "directory of the result");
     settings::add_config_directory(*verb, command->config);
     verb->footer(
-        "disk: maneuvers are made frames; not in it is the recorder's thread. cell: not in it are disk, ledger and threads. A campaign of the cell "
-        "in\n"
-        "which something does not hold is made smaller: the faults that are needed, and for how long.\n"
+        "disk: maneuvers are made frames. cell: the whole system. Not in either are threads. A campaign of the cell in which something does not "
+        "hold\n"
+        "is made smaller: the faults that are needed, and for how long.\n"
         "Leaves results.json in OUT.\n"
         "Examples:\n"
         "  rig-lab simulate --campaigns 10000\n"

@@ -11,10 +11,10 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/tune_law.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
+#include "plant_sim/study/margins/margins_input.hpp"
 #include "plant_sim/study/margins/tune.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
@@ -30,7 +30,7 @@ ordered_json to_json(const margins::WorstScore& w) {
 }
 
 /// Where the reference, held at every speed, leaves no controller enough margin: a row for each scenario that has such cells.
-std::string infeasible_table(const MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
+std::string infeasible_table(const margins::MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
     constexpr int kSpeeds = 200;
     auto table = settings::TextTable::markdown(
         "surface|maneuver|infeasible at and below (m/s):.1f|unstable pole there (rad/s):.0f|largest PM (deg):.1f|largest gain range (dB):.1f|at "
@@ -62,7 +62,7 @@ std::string infeasible_table(const MarginsInput& input, const margins::StudyOpti
 }
 
 /// Where the shipped law has too little upward margin whatever its derivative gains and estimator: a row for each scenario.
-std::string creep_table(const MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
+std::string creep_table(const margins::MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
     constexpr int kSpeeds = 200;
     const antiskid::control::SlipConfig& law = input.scenarios.front().controller.slip;
     const auto k_p = static_cast<double>(law.k_p_per_s), k_answer = static_cast<double>(law.k_answer);
@@ -95,8 +95,8 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
 }
 
 /// The paper's PID, by its margins in all cells that are feasible at all.
-void tune_pid(const MarginsInput& input, const margins::StudyOptions& options, const margins::SearchOptions& search, const std::string& json_file,
-              ordered_json& json) {
+void tune_pid(const margins::MarginsInput& input, const margins::StudyOptions& options, const margins::SearchOptions& search,
+              const std::string& json_file, ordered_json& json) {
     const antiskid::control::Config& controller = input.scenarios.front().controller;
     const auto cells = margins::tuning_cells(input.cases, controller, options);
     const auto judged = [&](const std::vector<double>& x) {
@@ -146,7 +146,7 @@ struct TuneCommand {
         if (!law && (check || !write.empty())) throw std::invalid_argument("--check and --write need --loop law");
         if (check && !write.empty()) throw std::invalid_argument("--check finds nothing to --write");
         scenario.seed = seed.value_or(1);
-        MarginsInput input = load_margins_input(scenario);
+        margins::MarginsInput input = margins::load_margins_input(scenario);
         if (floor) input.settings.law.stops.mean_j_mu = *floor;
         settings::create_directories(out);  // refused now, not when the search is over
         options.slip_reference = scenario.slip;

@@ -78,10 +78,10 @@ void add_drawn(margins::TrialStops& trial, const StopOptions& options, const mar
 }
 
 /// The stops of all scenarios, short ones first, and the friction that the threshold law has in them.
-margins::TrialStops trial_stops(const StopOptions& options, const MarginsInput& input) {
+margins::TrialStops trial_stops(const StopOptions& options, const margins::MarginsInput& input) {
     StopOptions other = options;
     other.law = "threshold";
-    const MarginsInput threshold = load_margins_input(other);
+    const margins::MarginsInput threshold = margins::load_margins_input(other);
     margins::TrialStops trial;
     trial.layout = &input.scenarios.front().layout;
     margins::TrialStops baseline;
@@ -104,7 +104,7 @@ margins::TrialStops trial_stops(const StopOptions& options, const MarginsInput& 
         StopOptions worn = options;
         worn.slip = reference;
         worn.choice.friction = input.settings.law.worn_friction;
-        const MarginsInput stops = load_margins_input(worn);
+        const margins::MarginsInput stops = margins::load_margins_input(worn);
         for (std::size_t i = 0; i < stops.cases.size(); ++i) {
             const margins::StopConditions& c = stops.cases[i];
             if (c.maneuver != stops.cases.front().maneuver) continue;
@@ -167,7 +167,7 @@ void print(const std::vector<Judged>& judged, const margins::TrialStops& trial, 
 
 }  // namespace
 
-int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& json) {
+int tune_law(const LawTuning& tuning, const margins::MarginsInput& input, ordered_json& json) {
     const Config& controller = input.scenarios.front().controller;
     const margins::LawSearch& law = input.settings.law;
     const margins::TrialStops trial = trial_stops(tuning.scenario, input);

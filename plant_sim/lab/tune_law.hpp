@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/study/margins/cells.hpp"
+#include "plant_sim/study/margins/margins_input.hpp"
 #include "plant_sim/study/margins/search.hpp"
 
 namespace plant_sim::lab {
@@ -23,6 +23,6 @@ struct LawTuning {
 };
 
 /// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked.
-[[nodiscard]] int tune_law(const LawTuning& tuning, const MarginsInput& input, nlohmann::ordered_json& json);
+[[nodiscard]] int tune_law(const LawTuning& tuning, const study::margins::MarginsInput& input, nlohmann::ordered_json& json);
 
 }  // namespace plant_sim::lab

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -15,6 +14,7 @@
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
+#include "rig_bridge/pictures/map.hpp"
 
 namespace plant_sim::lab {
 
@@ -24,10 +24,6 @@ using pictures::Chart;
 using pictures::Series;
 using pictures::Style;
 
-std::string line_of(const wear::Point& p) {
-    return fmt::format("{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
-}
-
 Series dots(const char* name, std::size_t colour) {
     return {.name = name, .style = Style::points, .colour = colour};
 }
@@ -36,6 +32,14 @@ Series dots(const wear::Campaign& campaign, const char* name, pictures::Colour c
     Series all = dots(name, colour);
     for (const wear::Point& p : campaign.points) all.add(p.c_e_J * 1e-6, p.mean_friction);
     return all;
+}
+
+/// The points of each component that is their most likely one.
+std::vector<Series> members_of(const wear::Campaign& campaign, const wear::Model& model) {
+    std::vector<Series> members;
+    for (std::size_t j = 0; j < model.mixture.components().size(); ++j) members.push_back(dots("", j));
+    for (const wear::Point& p : campaign.points) members[model.mixture.member(p)].add(p.c_e_J * 1e-6, p.mean_friction);
+    return members;
 }
 
 Chart campaign_chart(std::vector<Series> series) {
@@ -83,9 +87,7 @@ std::string landings_text(const wear::Forecast& f) {
 void draw_campaign(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png) {
     constexpr int kSteps = 400;
     const std::vector<wear::Component>& components = model.mixture.components();
-    std::vector<Series> all;
-    for (std::size_t j = 0; j < components.size(); ++j) all.push_back(dots("", j));
-    for (const wear::Point& p : campaign.points) all[model.mixture.member(p)].add(p.c_e_J * 1e-6, p.mean_friction);
+    std::vector<Series> all = members_of(campaign, model);
     for (std::size_t j = 0; j < components.size(); ++j)
         for (Series& half : ellipse(components[j], j)) all.push_back(std::move(half));
     Series mean{.name = "mean given the energy", .colour = pictures::black, .width = 2.0};
@@ -105,50 +107,30 @@ void draw_density(const wear::Campaign& campaign, const wear::Model& model, cons
     constexpr int kGridColumns = 120;
     constexpr int kGridRows = 90;
     const Frame f = frame_of(model.data);
-    std::string grid;
+    pictures::Map map{
+        .title = fmt::format("density of {} components, and the points by their most likely component", model.mixture.components().size()),
+        .x_label = "cumulative brake energy (MJ)",
+        .y_label = "mean brake friction",
+        .columns = kGridColumns + 1,
+        .x = {f.c_min_MJ, f.c_greatest_MJ},
+        .y = {f.mu_min, f.mu_greatest},
+        .value_label = "log10 of the density (per MJ)",
+        .contour_step = 0.5};
     auto table = settings::TextTable::csv("cumulative_energy_MJ:.5g|mean_friction:.6g|log10_density_per_MJ:.4g");
-    double greatest = -1e300;
     for (int row = 0; row <= kGridRows; ++row) {
         for (int column = 0; column <= kGridColumns; ++column) {
             const double c_MJ = f.c_min_MJ + (f.c_greatest_MJ - f.c_min_MJ) * column / kGridColumns;
             const double mu = f.mu_min + (f.mu_greatest - f.mu_min) * row / kGridRows;
-            const double density = std::log10(1e6) + model.mixture.log_density({c_MJ * 1e6, mu}) / std::log(10.0);
-            greatest = std::max(greatest, density);
-            fmt::format_to(std::back_inserter(grid), "{:.5f} {:.7f} {:.4f}\n", c_MJ, mu, density);
-            table.add(c_MJ, mu, density);
+            map.values.push_back(std::log10(1e6) + model.mixture.log_density({c_MJ * 1e6, mu}) / std::log(10.0));
+            table.add(c_MJ, mu, map.values.back());
         }
-        grid += "\n";
     }
     settings::write_file(std::filesystem::path(png).replace_extension(".csv"), table.text());
-    std::vector<std::string> members(model.mixture.components().size());
-    for (const wear::Point& p : campaign.points) members[model.mixture.member(p)] += line_of(p);
-    std::string script =
-        fmt::format("set xlabel 'cumulative brake energy (MJ)'\nset ylabel 'mean brake friction'\nset xrange [{}:{}]\nset yrange [{}:{}]\n",
-                    f.c_min_MJ, f.c_greatest_MJ, f.mu_min, f.mu_greatest) +
-        pictures::gnuplot_block("density", grid);
-    std::string points;
-    for (std::size_t j = 0; j < members.size(); ++j) {
-        script += pictures::gnuplot_block(fmt::format("points{}", j), members[j]);
-        points += fmt::format(", $points{} using 1:2 with points pt 7 ps 0.5 lc rgb '{}' notitle", j, pictures::gnuplot_colour(j));
-    }
     constexpr double kDecades = 4.0;
-    fmt::format_to(std::back_inserter(script), R"(set contour base
-set cntrparam levels incremental {least},0.5,{greatest}
-unset surface
-set table $contours
-splot $density
-unset table
-set palette defined (0 '#ffffff', 0.4 '#c9dcee', 1 '#7fa8cf')
-set cbrange [{least}:{greatest}]
-set cblabel 'log_{{10}} density (per MJ)'
-set title {title} noenhanced
-plot $density using 1:2:3 with image notitle, $contours using 1:2 with lines lw 1 lc rgb '#444444' notitle{points}
-)",
-                   fmt::arg("least", greatest - kDecades), fmt::arg("greatest", greatest),
-                   fmt::arg("title", pictures::gnuplot_quoted(fmt::format("density of {} components, and the points by their most likely component",
-                                                                          model.mixture.components().size()))),
-                   fmt::arg("points", points));
-    pictures::run_gnuplot(png, 1100, 700, script);
+    const double greatest = *std::max_element(map.values.begin(), map.values.end());
+    map.value_range = {greatest - kDecades, greatest};
+    map.points = members_of(campaign, model);
+    pictures::draw(map, 700, png);
 }
 
 void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated, const std::filesystem::path& png) {

@@ -10,7 +10,9 @@
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/seconds.hpp"
 #include "plant_sim/python/bus_log.hpp"
+#include "plant_sim/python/endurance.hpp"
 #include "plant_sim/python/ledger.hpp"
+#include "plant_sim/python/regulator.hpp"
 #include "plant_sim/python/rig_loop.hpp"
 #include "plant_sim/python/scenario.hpp"
 #include "plant_sim/python/studies.hpp"
@@ -87,6 +89,13 @@ void bind_controller(py::module_& m) {
             py::arg("sensors"), py::arg("now_s"));
 }
 
+using Numbers = std::vector<double>;
+using Directory = std::optional<std::filesystem::path>;
+
+std::filesystem::path directory_of(const Directory& config) {
+    return config ? *config : settings::config_directory();
+}
+
 void bind_ledger(py::module_& m) {
     py::class_<Ledger>(m, "Ledger")
         .def(py::init<const std::filesystem::path&, const std::string&>(), py::arg("where"), py::arg("campaign") = "")
@@ -94,11 +103,30 @@ void bind_ledger(py::module_& m) {
         .def_property_readonly("file", &Ledger::file)
         .def("rows", &Ledger::rows)
         .def("data_frame", &Ledger::data_frame)
-        .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false);
+        .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false)
+        .def(
+            "simulated_wear",
+            [](const Ledger& ledger, const py::dict& model, std::uint64_t seed, const Directory& config) {
+                return replayed_wear({.ledger = ledger.file(),
+                                      .config = directory_of(config),
+                                      .campaign = ledger.campaign(),
+                                      .model = py::module_::import("json").attr("dumps")(model).cast<std::string>(),
+                                      .seed = seed});
+            },
+            py::arg("model"), py::kw_only(), py::arg("seed") = 1, py::arg("config") = py::none());
+    const EnduranceRequest campaign;
+    m.def(
+        "endurance",
+        [](const std::filesystem::path& out, std::int64_t maneuvers, std::uint64_t seed, const Directory& scenario, const Directory& config) {
+            return endurance_table({.out = out,
+                                    .scenario = scenario.value_or(std::filesystem::path()),
+                                    .config = directory_of(config),
+                                    .maneuvers = maneuvers,
+                                    .seed = seed});
+        },
+        py::arg("out"), py::kw_only(), py::arg("maneuvers") = campaign.maneuvers, py::arg("seed") = campaign.seed, py::arg("scenario") = py::none(),
+        py::arg("config") = py::none());
 }
-
-using Numbers = std::vector<double>;
-using Directory = std::optional<std::filesystem::path>;
 
 void bind_wear(py::module_& m) {
     const wear::FitSettings fit;
@@ -119,7 +147,7 @@ void bind_wear(py::module_& m) {
         [](Numbers energy_J, Numbers friction, const std::filesystem::path& population, std::optional<double> limit, std::string mix, double slip,
            std::optional<double> energy_MJ, std::size_t last, std::string method, int horizon, int draws, std::uint64_t seed,
            const Directory& config) {
-            const wear::ForecastRequest request{.config = config ? *config : settings::config_directory(),
+            const wear::ForecastRequest request{.config = directory_of(config),
                                                 .limit = limit,
                                                 .mix = std::move(mix),
                                                 .slip = slip,
@@ -136,7 +164,39 @@ void bind_wear(py::module_& m) {
         py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("config") = py::none());
 }
 
-/// The module's __init__.py makes Python's own of the two texts.
+void bind_regulator(py::module_& m) {
+    using wear::Regulator;
+    py::class_<Regulator>(m, "Regulator")
+        .def(py::init([](double landing_J, double landing_deviation_J, std::optional<int> landings, std::optional<double> brake_life_J,
+                         std::optional<double> brake_taken_J, std::optional<double> tyre_life_J, const Directory& config) {
+                 return regulator_of({.config = directory_of(config),
+                                      .landing_J = landing_J,
+                                      .landing_deviation_J = landing_deviation_J,
+                                      .landings = landings,
+                                      .brake_life_J = brake_life_J,
+                                      .tyre_life_J = tyre_life_J,
+                                      .brake_taken_J = brake_taken_J});
+             }),
+             py::arg("landing_J"), py::arg("landing_deviation_J"), py::kw_only(), py::arg("landings") = py::none(),
+             py::arg("brake_life_J") = py::none(), py::arg("brake_taken_J") = py::none(), py::arg("tyre_life_J") = py::none(),
+             py::arg("config") = py::none())
+        .def_property_readonly("reference", &Regulator::reference)
+        .def_property_readonly("range", [](const Regulator& r) { return py::make_tuple(r.range().lowest, r.range().highest); })
+        .def_property_readonly("landings", &Regulator::landings)
+        .def_property_readonly("brake_left_J", &Regulator::brake_left_J)
+        .def_property_readonly("tyre_left_J", &Regulator::tyre_left_J)
+        .def_property_readonly("required_share", &Regulator::required_share)
+        .def(
+            "after",
+            [](Regulator& r, double kinetic_J, double brake_J, double tyre_J, double j_mu, std::optional<double> reference) {
+                return std::string(wear::name(r.after(
+                    {.reference = reference.value_or(r.reference()), .kinetic_J = kinetic_J, .brake_J = brake_J, .tyre_J = tyre_J, .j_mu = j_mu})));
+            },
+            py::kw_only(), py::arg("kinetic_J"), py::arg("brake_J"), py::arg("tyre_J"), py::arg("j_mu") = wear::kUnknown,
+            py::arg("reference") = py::none());
+}
+
+/// The module's __init__.py makes Python's own of the texts.
 void bind_studies(py::module_& m) {
     const auto both = [](const StudyFiles& files) { return py::make_tuple(files.results, files.stops); };
     const sweep::SweepPlanOptions swept;
@@ -144,7 +204,7 @@ void bind_studies(py::module_& m) {
         "sweep",
         [both](const std::optional<Numbers>& references, std::size_t landings, bool threshold, std::uint64_t seed, const Directory& config,
                unsigned threads) {
-            return both(sweep_study({.config = config ? *config : settings::config_directory(),
+            return both(sweep_study({.config = directory_of(config),
                                      .references = references ? *references : sweep::paper_references(),
                                      .landings = landings,
                                      .threshold = threshold,
@@ -158,7 +218,7 @@ void bind_studies(py::module_& m) {
         "robust",
         [both](const std::vector<std::string>& families, const std::vector<std::string>& laws, std::size_t draws, std::uint64_t seed,
                const std::filesystem::path& controller, const std::filesystem::path& ranges, const Directory& config, unsigned threads) {
-            return both(robust_study({.config = config ? *config : settings::config_directory(),
+            return both(robust_study({.config = directory_of(config),
                                       .controller = controller,
                                       .ranges = ranges,
                                       .families = families,
@@ -169,6 +229,23 @@ void bind_studies(py::module_& m) {
         },
         py::kw_only(), py::arg("families") = drawn.families, py::arg("laws") = drawn.laws, py::arg("draws") = drawn.draws,
         py::arg("seed") = drawn.seed, py::arg("controller") = "", py::arg("ranges") = "", py::arg("config") = py::none(), py::arg("threads") = 0);
+    const study::margins::StudyOptions grid;
+    m.def(
+        "margins",
+        [](double slip, int speeds, bool constant_slip, std::optional<double> mean_friction, const std::filesystem::path& controller,
+           const Directory& config) {
+            StopOptions scenario;
+            scenario.config = directory_of(config);
+            scenario.controller = controller;
+            scenario.choice.friction = mean_friction;
+            scenario.slip = slip;
+            study::margins::StudyOptions options;
+            options.speeds = speeds;
+            options.low_speed_fall = !constant_slip;
+            return margins_study(scenario, options);
+        },
+        py::kw_only(), py::arg("slip") = grid.slip_reference, py::arg("speeds") = grid.speeds, py::arg("constant_slip") = !grid.low_speed_fall,
+        py::arg("mean_friction") = py::none(), py::arg("controller") = "", py::arg("config") = py::none());
 }
 
 }  // namespace
@@ -182,6 +259,7 @@ PYBIND11_MODULE(_native, m) {
     plant_sim::python::bind_controller(m);
     plant_sim::python::bind_ledger(m);
     plant_sim::python::bind_wear(m);
+    plant_sim::python::bind_regulator(m);
     plant_sim::python::bind_studies(m);
     m.def(
         "read_log",

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "plant_sim/python/interruptible.hpp"
+#include "plant_sim/study/margins/margins_input.hpp"
+#include "plant_sim/study/margins/margins_report.hpp"
 #include "plant_sim/study/robust/report.hpp"
 #include "plant_sim/study/sweep/run.hpp"
 #include "plant_sim/study/sweep/stops_table.hpp"
@@ -54,6 +56,29 @@ StudyFiles robust_study(const robust::RobustPlanOptions& options, unsigned threa
         files.results = robust::to_json(plan, rows, robust::summarise(plan, rows));
         files.stops = robust::to_csv(plan, rows);
         return files;
+    };
+    return interruptible(study, [&] { stop = true; });
+}
+
+std::string margins_study(const StopOptions& scenario, study::margins::StudyOptions options) {
+    namespace margins = study::margins;
+    if (!(scenario.slip >= 0.01 && scenario.slip <= 0.5)) throw std::invalid_argument("slip: expected 0.01 to 0.5");
+    if (options.speeds < 2 || options.speeds > 200) throw std::invalid_argument("speeds: expected 2 to 200");
+    std::atomic<bool> stop{false};
+    const auto study = [&] {
+        const margins::MarginsInput input = margins::load_margins_input(scenario);
+        options.slip_reference = scenario.slip;
+        options.requirement = input.settings.requirement;
+        const auto cells =
+            margins::study_cells(input.cases, input.scenarios.front().controller, input.settings.pid, options, [&](std::size_t, std::size_t) {
+                if (stop) throw std::runtime_error("stopped");
+            });
+        return margins::to_json(input.cases, cells,
+                                {.config_hash = input.config_hash,
+                                 .version = ANTISKID_VERSION,
+                                 .options = options,
+                                 .pid = input.settings.pid,
+                                 .tyre = margins::tyre_name(input.cases.front().rig.wheel.compliance)});
     };
     return interruptible(study, [&] { stop = true; });
 }

@@ -3,94 +3,92 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/control/controller.hpp"
 #include "firmware/host/seconds.hpp"
 #include "plant_sim/serve_node.hpp"
-#include "plant_sim/simulation/bridge_program.hpp"
+#include "plant_sim/simulation/cell_judge.hpp"
+#include "plant_sim/simulation/energy_account.hpp"
+#include "plant_sim/simulation/fault_timeline.hpp"
 #include "plant_sim/simulation/faulty_bus.hpp"
-#include "plant_sim/simulation/permission.hpp"
+#include "plant_sim/simulation/remade_figures.hpp"
+#include "plant_sim/simulation/simulated_clock.hpp"
 #include "plant_sim/simulation/simulated_line.hpp"
-#include "rig_bridge/bridge/next_step.hpp"
 
 namespace plant_sim::simulation {
 
 using antiskid::can::Frame;
-using antiskid::can::Role;
-using antiskid::control::kNever;
 using antiskid::control::Time;
 using antiskid::host::seconds;
 using rig::Phase;
 
 namespace {
 
-Time duration(double s) {
-    return Time(std::llround(s * 1e9));
+rig::Plan plan_of(const CellSetup& setup) {
+    constexpr double kSpeed_mps = 10.0;
+    rig::Plan plan = setup.bridge.scenario.mean;
+    plan.speed_mps = kSpeed_mps;
+    return plan;
 }
-
-class SimulatedClock final : public antiskid::host::Clock {
-  public:
-    [[nodiscard]] Time now() override { return now_; }
-    [[nodiscard]] Time time() const { return now_; }
-    void sleep_until(Time /*deadline*/) override {}
-    void pass(Time period) { now_ += period; }
-
-  private:
-    Time now_{1'000'000'000};
-};
 
 class CellCampaign {
   public:
     CellCampaign(const CellSetup& setup, std::uint64_t seed, std::span<const PlannedFault> faults, const CellTrace& trace)
         : setup_(setup),
           trace_(trace),
-          draw_(wear::generator_of(seed, 1)),
+          draw_(wear::generator_of(seed, 2)),  // faults and disk have the others
           period_(duration(static_cast<double>(setup.controller.period_s))),
           layout_(setup.bridge.layout),
           planned_(static_cast<std::int64_t>(1 + draw_() % 2)),
+          plan_(plan_of(setup)),
+          max_sound_attempts_(planned_ + 3 * static_cast<std::int64_t>(faults.size()) + 3),
+          disk_(std::make_shared<SimulatedDisk>(seed)),
+          gate_(std::make_shared<AllocationGate>(setup.allocations)),
+          books_(disk_),
+          account_(0.5 * setup.bridge.meter.flywheel_mass_kg * plan_.speed_mps * plan_.speed_mps),
+          remade_(setup.bridge, disk_),
           bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { witness(end, frame, damaged); }),
           at_rig_(bus_.connect()),
           at_controller_(bus_.connect()),
-          bridge_sends_(bus_.connect()),
+          bridge_sends_(bus_.connect(true)),
           bridge_hears_(bus_.connect()),
-          permission_(layout_),
-          valve_(layout_),
           bank_(setup.bridge.map),
           rig_(setup.bridge.scenario.rig, setup.machinery, seed),
           serving_(rig_, layout_, at_rig_, clock_, period_, [this](plc::ServedRig& rig) { exchange(rig); }),
-          top_mps_(rig::top_speed_mps(plan())) {
-        for (const PlannedFault& fault : faults) faults_.push_back({.planned = fault});
+          judge_(setup, plan_, rig_, [this](const std::string& what) { violated(what); }),
+          faults_(faults) {
+        disk_->use(gate_);
+        bridge_hears_.on_computer_of(bridge_sends_);
     }
 
     CellOutcome run() {
         constexpr double kLongest_s = 3000.0;
-        // Begun while nothing fails: one for each maneuver, and what a fault still spoils after its end.
-        const std::int64_t max_sound = planned_ + 3 * static_cast<std::int64_t>(faults_.size()) + 3;
-        while (number_ <= planned_ && out_.violations.empty()) {
+        while (!complete_ && out_.violations.empty()) {
             period();
-            if (sound_attempts_ > max_sound || seconds(clock_.now()) > kLongest_s)
-                violated(
-                    fmt::format("the campaign does not come to its end: {} of {} maneuvers in {} attempts", out_.finished, planned_, out_.attempts));
+            if (sound_attempts_ > max_sound_attempts_ || seconds(clock_.now()) > kLongest_s)
+                violated(fmt::format("the campaign does not come to its end: {} maneuvers in {} attempts", planned_, out_.attempts));
         }
-        if (out_.violations.empty() && out_.finished != planned_) violated(fmt::format("{} of {} maneuvers were run", out_.finished, planned_));
+        if (out_.violations.empty()) {
+            end_bridge(clock_.now());
+            disk_->restart();  // the power is cut at rest
+            check_disk();
+            check_numbers();
+        }
         out_.simulated_s = seconds(clock_.now());
         for (const std::uint64_t frames : bus_.struck()) out_.frames_struck += frames;
         for (const std::uint64_t requests : line_.struck) out_.requests_struck += requests;
+        out_.disk_struck = disk_->struck();
+        out_.damaged = books_.damaged();
+        out_.operations = disk_->operations();
         return std::move(out_);
     }
 
   private:
-    struct Fault {
-        PlannedFault planned;
-        std::optional<Time> begins{};
-        bool active = false;
-        bool over = false;
-    };
-
     void tell(const std::string& line) const {
         if (trace_) trace_(fmt::format("{:9.3f} s  {}", seconds(clock_.time()), line));
     }
@@ -98,22 +96,23 @@ class CellCampaign {
         tell("VIOLATION: " + what);
         out_.violations.push_back(what);
     }
-    [[nodiscard]] rig::Plan plan() const {
-        constexpr double kSpeed_mps = 10.0;
-        rig::Plan plan = setup_.bridge.scenario.mean;
-        plan.speed_mps = kSpeed_mps;
-        return plan;
-    }
 
     void period() {
         clock_.pass(period_);
         bus_.set_time(clock_.now());
         line_.now = clock_.now();
-        time_faults();
+        if (faults_.pass(clock_.now(), [this](const PlannedFault& fault, bool begins) { change(fault, begins); })) apply();
         serving_.period();
+        account_.pass(clock_.now(), rig_.cumulative_energy_J());
         controller_turn();
         bridge_turn();
-        check();
+        const Time now = clock_.now();
+        judge_.look({.now = now,
+                     .loop_lives = bridge_ && now >= bridge_away_ && now >= loop_away_,
+                     .plc_answers = line_.reachable && !frozen_,
+                     .controller_lives = controller_ && now >= controller_away_,
+                     .open = open_,
+                     .sequencer = bridge_ ? bridge_->sequencer() : nullptr});
     }
 
     void exchange(plc::ServedRig& rig) {
@@ -123,25 +122,16 @@ class CellCampaign {
 
     // --- what fails ---
 
-    void time_faults() {
-        bool changed = false;
-        for (Fault& fault : faults_) {
-            if (!fault.begins || fault.over) continue;
-            const Time now = clock_.now();
-            const bool active = now >= *fault.begins && now < *fault.begins + duration(fault.planned.lasts_s);
-            if (active == fault.active) continue;
-            changed = true;
-            fault.active = active;
-            fault.over = !active;
-            tell(active ? "begins: " + text(fault.planned)
-                        : "is over: " + std::string(kCellFaultNames.at(static_cast<std::size_t>(fault.planned.fault))));
-            if (active) begin(fault.planned);
-        }
-        if (changed) apply();
-    }
-
     /// What happens once.
-    void begin(const PlannedFault& fault) {
+    void change(const PlannedFault& fault, bool begins) {
+        tell(begins ? "begins: " + text(fault) : "is over: " + std::string(kCellFaultNames.at(static_cast<std::size_t>(fault.fault))));
+        if (fault.fault == CellFault::clock_set) clock_.set_wall(duration(begins ? fault.set_s : -fault.set_s));
+        if (!begins) {
+            const std::vector<PlannedFault> left = faults_.active();
+            const auto strikes = [](const PlannedFault& other) { return of_disk(other.fault); };
+            if (of_disk(fault.fault) && std::none_of(left.begin(), left.end(), strikes)) disk_->calm();
+            return;
+        }
         ++out_.begun.at(static_cast<std::size_t>(fault.fault));
         const Time until = clock_.now() + duration(fault.lasts_s);
         switch (fault.fault) {
@@ -153,8 +143,8 @@ class CellCampaign {
                 controller_away_ = until;
                 break;
             case CellFault::bridge_killed:
-                end_bridge();
-                bridge_away_ = until;
+                disk_->kill();
+                end_bridge(until);
                 break;
             case CellFault::bridge_stopped:
                 bridge_away_ = until;
@@ -163,8 +153,16 @@ class CellCampaign {
                 loop_away_ = until;
                 break;
             default:
+                if (of_disk(fault.fault)) strike(fault);
                 break;
         }
+    }
+
+    void strike(const PlannedFault& fault) {
+        constexpr std::array kKinds{DiskFault::power_cut, DiskFault::kill, DiskFault::no_space, DiskFault::refused, DiskFault::short_write};
+        const DiskFault kind = kKinds.at(static_cast<std::size_t>(fault.fault) - static_cast<std::size_t>(CellFault::power_cut));
+        disk_->strike_soon(fault.operation, kind, kind == DiskFault::no_space ? fault.operations : 1);
+        if (kind == DiskFault::power_cut || kind == DiskFault::kill) down_ = duration(fault.lasts_s);
     }
 
     /// What lasts.
@@ -173,25 +171,21 @@ class CellCampaign {
         line_.shares.fill(0.0);
         line_.reachable = true;
         frozen_ = false;
-        unsigned open = 0;
+        open_ = 0;
         std::array<bool, kPartyNames.size()> up{true, true, true};
-        for (const Fault& fault : faults_) {
-            if (!fault.active) continue;
-            const PlannedFault& p = fault.planned;
+        for (const PlannedFault& p : faults_.active()) {
             if (p.fault < CellFault::off_bus) end_of(p.party).strike(static_cast<FrameFault>(p.fault), p.share);
             if (p.fault == CellFault::off_bus) up.at(static_cast<std::size_t>(p.party)) = false;
             if (p.fault >= CellFault::requests_lost && p.fault <= CellFault::requests_doubled)
                 line_.shares.at(static_cast<std::size_t>(p.fault) - static_cast<std::size_t>(CellFault::requests_lost)) = p.share;
             if (p.fault == CellFault::plc_unreachable) line_.reachable = false;
             if (p.fault == CellFault::plc_frozen) frozen_ = true;
-            if (p.fault == CellFault::interlock_open) open |= 1U << static_cast<unsigned>(p.interlock);
+            if (p.fault == CellFault::interlock_open) open_ |= 1U << static_cast<unsigned>(p.interlock);
         }
-        if (open != open_) opened_ = clock_.now();
-        open_ = open;
         at_rig_.set_up(up[0]);
         at_controller_.set_up(up[1]);
         bridge_sends_.set_up(up[2]);
-        bridge_hears_.set_up(up[2]);
+        bridge_hears_.set_up(up[2] && bridge_);
     }
 
     FaultyBus::End& end_of(Party party) { return party == Party::rig ? at_rig_ : party == Party::controller ? at_controller_ : bridge_hears_; }
@@ -206,7 +200,7 @@ class CellCampaign {
         if (!controller_) {
             controller_.emplace(setup_.controller);
             port_.emplace(layout_, period_);
-            permission_.forget();
+            judge_.starts_anew();
             missed_ = 0;
         }
         std::array<Frame, 64> frames{};
@@ -223,131 +217,121 @@ class CellCampaign {
         if (at_controller_.send_all(all) == 0 && !all.empty()) port_->note_command_unsent();
     }
 
-    void end_bridge() {
-        line_.reachable = false;  // it dies without a word
+    /// However it ends. What it has on the disk is looked at before the next one comes.
+    void end_bridge(Time until) {
+        line_.reachable = disk_->runs();  // else it dies without a word
         bridge_.reset();
-        sequencer_.reset();
-        bridge_hears_.set_up(false);
-        if (!setup_.goes_on) ++number_;
+        account_.bridge_ended();
         apply();
+        bridge_away_ = until;
+        if (disk_->power_cut()) {
+            controller_.reset();
+            controller_away_ = until;
+        }
+        if (!disk_->runs()) disk_->restart();
+        check_disk();
     }
 
     void start_bridge() {
-        const auto now = [this] { return clock_.now(); };
-        bridge_ = std::make_unique<BridgeProgram>(setup_.bridge, bridge_sends_, bridge_hears_,
-                                                  std::make_unique<SimulatedLine>(bank_, setup_.bridge.map.link, line_, draw_), now);
-        permission_.forget();
-        introduced_ = clock_.now() + duration(0.5);
+        ++out_.starts;
+        tell("the bridge starts");
+        bridge_hears_.set_up(bridge_sends_.status().up);
+        judge_.starts_anew();
         next_step_ = clock_.now();
         next_poll_ = line_.busy_until = Time{};
-        tell("the bridge starts");
+        bridge_ =
+            std::make_unique<BridgeProgram>(setup_.bridge, BridgeCampaign{.planned = planned_, .plan = plan_},
+                                            BridgeMachine{.sends = bridge_sends_,
+                                                          .hears = bridge_hears_,
+                                                          .now = [this] { return clock_.now(); },
+                                                          .wall_minus_monotonic = [this](Time at) { return clock_.wall_minus_monotonic(at); },
+                                                          .storage = disk_,
+                                                          .gate = *gate_},
+                                            std::make_unique<SimulatedLine>(bank_, setup_.bridge.map.link, line_, draw_), books_, setup_.mistake);
     }
 
     void bridge_turn() {
-        const Time now = clock_.now();
-        if (now < bridge_away_) return;
-        if (!bridge_) start_bridge();
-        poll();
-        if (now < next_step_ || now < loop_away_) return;
-        next_step_ = now + rig::bridge::Node::kStep;
-        const rig::bridge::Moment& moment = bridge_->step(sequencer_ ? &*sequencer_ : nullptr, {.number = number_, .reset = setup_.resets});
-        if (sequencer_)
-            follow(moment);
-        else if (now >= introduced_)
-            begin_attempt();
-    }
-
-    void poll() {
-        if (clock_.now() < std::max(next_poll_, line_.busy_until)) return;
-        next_poll_ = clock_.now() + setup_.bridge.map.link.poll;
-        if (!setup_.loop_proves_life) bridge_->prove_alive();
-        bridge_->poll();
-    }
-
-    void begin_attempt() {
-        ++out_.attempts;
-        if (std::none_of(faults_.begin(), faults_.end(), [](const Fault& fault) { return fault.active; })) ++sound_attempts_;
-        sequencer_.emplace(plan());
-        phase_ = Phase::finished;
-        touchdowns_ = rig_.maneuvers();
-        tell(fmt::format("maneuver {}, attempt {}", number_, out_.attempts));
-    }
-
-    void follow(const rig::bridge::Moment& moment) {
-        if (moment.outputs.phase != phase_) {
-            phase_ = moment.outputs.phase;
-            tell(fmt::format("{}{}", rig::name(phase_), phase_ == Phase::aborting ? fmt::format(": {}", rig::name(sequencer_->abort())) : ""));
-            for (Fault& fault : faults_) {
-                if (!fault.begins && fault.planned.phase == phase_ && out_.attempts >= fault.planned.attempt)
-                    fault.begins = clock_.now() + duration(fault.planned.after_s);
+        if (clock_.now() < bridge_away_) return;
+        try {
+            if (!bridge_) start_bridge();
+            run_bridge();
+        } catch (const std::exception& error) {  // LedgerError, settings::Error, a recording that cannot be made, no memory
+            if (disk_->runs()) {
+                constexpr Time kService{1'000'000'000};
+                tell(fmt::format("the bridge ends: {}", error.what()));
+                ++out_.refusals;
+                end_bridge(clock_.now() + kService);
             }
         }
-        if (!sequencer_->over()) return;
-        if (sequencer_->phase() == Phase::finished)
-            finish();
-        else
-            abort();
-        sequencer_.reset();
-        introduced_ = clock_.now() + duration(0.5);
+        if (!disk_->runs()) {
+            tell(disk_->power_cut() ? "the power is cut" : "the bridge is killed");
+            end_bridge(clock_.now() + down_);
+        }
+    }
+
+    void run_bridge() {
+        const Time now = clock_.now();
+        if (now >= std::max(next_poll_, line_.busy_until)) {
+            next_poll_ = now + setup_.bridge.map.link.poll;
+            bridge_->poll();
+        }
+        if (now < next_step_) return;
+        next_step_ = now + rig::bridge::Node::kStep;
+        bridge_->hear();
+        if (now < loop_away_) return;
+        (void)bridge_->step();
+        if (disk_->runs()) follow();
+        complete_ = disk_->runs() && bridge_->complete();
+    }
+
+    void follow() {
+        if (bridge_->attempt().folder != attempt_folder_ && bridge_->attempt().attempt != 0) {
+            attempt_folder_ = bridge_->attempt().folder;
+            ++out_.attempts;
+            if (!faults_.any()) ++sound_attempts_;
+            tell(fmt::format("maneuver {}, attempt {}", bridge_->attempt().number, bridge_->attempt().attempt));
+            phase_ = Phase::finished;
+        }
+        const rig::Sequencer* const sequencer = bridge_->sequencer();
+        if (sequencer == nullptr || sequencer->phase() == phase_) return;
+        if (phase_ == Phase::finished) {
+            judge_.begun();
+            account_.begun(attempt_folder_);
+        }
+        phase_ = sequencer->phase();
+        tell(fmt::format("{}{}", rig::name(phase_), phase_ == Phase::aborting ? fmt::format(": {}", rig::name(sequencer->abort())) : ""));
+        faults_.reached(phase_, out_.attempts, clock_.now());
+        if (!sequencer->over()) return;
+        judge_.over(*sequencer);
+        if (phase_ == Phase::aborted) ++out_.aborts[std::string(rig::name(sequencer->abort()))];
     }
 
     // --- what must hold ---
 
-    void finish() {
-        ++number_;
-        ++out_.finished;
-        if (rig_.maneuvers() != touchdowns_ + 1)
-            violated(fmt::format("a maneuver is finished, and the wheel touched down {} times", rig_.maneuvers() - touchdowns_));
-        if (rig_.rig().wheel().v_mps > 1.0) violated("a maneuver is finished, and the flywheel was not stopped");
-    }
-
-    void abort() {
-        const rig::Abort cause = sequencer_->abort();
-        ++out_.aborts[std::string(rig::name(cause))];
-        if (cause == rig::Abort::none || rig::bridge::next_step(cause).happened.empty()) violated("an abort without a cause in words");
-        if (sequencer_->safe_end_seen() && (rig_.sledge_m() > 0.05 || rig_.rig().pressure_Pa() > 2.0 * plan().pressure_gone_Pa))
-            violated(
-                fmt::format("a safe end was seen, with the sledge at {:.2f} m and {:.1f} MPa", rig_.sledge_m(), rig_.rig().pressure_Pa() * 1e-6));
-    }
-
     void witness(const FaultyBus::End& end, const Frame& frame, bool damaged) {
         if (damaged) return;
-        if (&end == &at_controller_) permission_.accept(frame);
-        if (&end != &at_rig_ || valve_.accept(frame) != Role::valve) return;
-        // The command may have been on its way for as long as frames are late.
-        const Time longest = duration(setup_.permission_s) + FaultyBus::kMaxLate + 3 * period_;
-        if (valve_.view().controller.current_mA > setup_.controller.valve.safe_current_mA + 0.01F && frame.received - permission_.granted() > longest)
-            violated(fmt::format("{:.2f} mA, {:.3f} s after the last permission", valve_.view().controller.current_mA,
-                                 seconds(frame.received - permission_.granted())));
+        if (&end == &at_controller_) judge_.controller_hears(frame);
+        if (&end == &at_rig_) judge_.rig_hears(frame);
     }
 
-    void check() {
-        const plc::MachineCommands& machines = rig_.plc().commands();
-        const bool on = machines.drive || machines.advance || machines.load;
-        const Time now = clock_.now();
-        if (open_ != 0 && on && now - opened_ > duration(2.0 * plc::ServedRig::kScan_s))
-            violated("drive, sledge or load is on with an interlock open");
-        const bool loop_lives = bridge_ && now >= bridge_away_ && now >= loop_away_;
-        const bool plc_answers = line_.reachable && !frozen_;
-        if (loop_lives && plc_answers) bridge_seen_ = now;
-        // A loop that was away sees it at its next step.
-        if (plc_answers || !loop_lives) plc_answered_ = now;
-        if ((controller_ && now >= controller_away_) || !loop_lives) controller_lived_ = now;
-        if (sequencer_ && phase_ >= Phase::spin_up && phase_ <= Phase::standstill) {
-            const Time step = 2 * rig::bridge::Node::kStep + setup_.bridge.map.link.poll;
-            if (now - plc_answered_ > duration(setup_.limits.registers_s) + step) violated("the bridge goes on without a PLC");
-            if (now - controller_lived_ > duration(setup_.limits.controller_s) + step) violated("the bridge goes on without a controller");
+    void check_disk() {
+        disk_->pause(true);
+        for (const std::string& what : books_.check()) violated(what);
+        disk_->pause(false);
+        for (const std::string& what : account_.check(books_.rows())) violated(what);
+        if (out_.violations.empty())
+            for (const std::string& what : remade_.check(books_.rows())) violated(what);
+    }
+
+    void check_numbers() {
+        for (std::int64_t number = 1; number <= planned_; ++number) {
+            const auto& rows = books_.rows();
+            const auto is = [number](const auto& row) { return row.attempt.number == number && row.state == rig::record::RowState::finished; };
+            if (std::none_of(rows.begin(), rows.end(), is))
+                violated(fmt::format("the campaign has ended, and maneuver {} was left out", number));
+            else
+                ++out_.finished;
         }
-        // A client whose main loop hangs moves its watchdog for the user time-out; the PLC takes its time-out, and both their rounds.
-        const rig::RegisterMap& map = setup_.bridge.map;
-        const Time until_trip = map.bridge_timeout + map.link.user_timeout + map.link.poll + duration(2.0 * plc::ServedRig::kScan_s);
-        if (on && now - bridge_seen_ > until_trip) violated("drive, sledge or load is on without a bridge");
-        if (rig_.rig().wheel().v_mps > top_mps_ + 0.1) violated(fmt::format("the flywheel runs at {:.2f} m/s", rig_.rig().wheel().v_mps));
-        // Valve and line let go within half a second.
-        const Time longest = duration(setup_.permission_s + 0.5) + FaultyBus::kMaxLate + ServeNode::kDriverWatchdog;
-        if (rig_.rig().pressure_Pa() > 2.0 * plan().pressure_gone_Pa && now - permission_.granted() > longest)
-            violated(
-                fmt::format("{:.1f} MPa, {:.3f} s after the last permission", rig_.rig().pressure_Pa() * 1e-6, seconds(now - permission_.granted())));
     }
 
     const CellSetup& setup_;
@@ -357,34 +341,38 @@ class CellCampaign {
     Time period_;
     const antiskid::can::Layout& layout_;
     std::int64_t planned_;
+    rig::Plan plan_;
+    std::int64_t max_sound_attempts_;  // one for each maneuver, and what a fault still spoils after its end
+    std::shared_ptr<const SimulatedDisk> disk_;
+    std::shared_ptr<AllocationGate> gate_;
+    CampaignBooks books_;
+    EnergyAccount account_;
+    RemadeFigures remade_;
     FaultyBus bus_;
     FaultyBus::End &at_rig_, &at_controller_, &bridge_sends_, &bridge_hears_;
-    Permission permission_;
-    antiskid::can::Observer valve_;
     rig::modbus::RegisterBank bank_;
     LineState line_;
     plc::ServedRig rig_;
     ServeNode serving_;
-    double top_mps_;
+    CellJudge judge_;
+    FaultTimeline faults_;
 
     std::optional<antiskid::control::Controller> controller_;
     std::optional<antiskid::can::ControllerPort> port_;
     Time controller_away_{};
-    std::uint32_t missed_ = 0;
 
     std::unique_ptr<BridgeProgram> bridge_;
-    std::optional<rig::Sequencer> sequencer_;
-    Time bridge_away_{}, loop_away_{}, introduced_{}, next_poll_{}, next_step_{}, bridge_seen_{}, plc_answered_{}, controller_lived_{};
-    std::int64_t number_ = 1;
-    Phase phase_ = Phase::idle;
-    std::uint32_t touchdowns_ = 0;
+    Time bridge_away_{}, loop_away_{}, next_poll_{}, next_step_{};
+    Time down_{};  // for how long the next that ends the bridge does
+    std::filesystem::path attempt_folder_;
     std::int64_t sound_attempts_ = 0;
-
-    std::vector<Fault> faults_;
-    bool frozen_ = false;
-    unsigned open_ = 0;
-    Time opened_{};
     CellOutcome out_;
+
+    unsigned open_ = 0;         // interlocks
+    std::uint32_t missed_ = 0;  // periods of the controller
+    Phase phase_ = Phase::finished;
+    bool frozen_ = false;  // the PLC's registers
+    bool complete_ = false;
 };
 
 }  // namespace

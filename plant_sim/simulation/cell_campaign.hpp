@@ -1,8 +1,9 @@
-/// Campaigns in a test cell of three programs that fail, on a simulated clock: the bridge's main loop, sequencer and Modbus client, controller
-/// and served rig with its PLC, joined by the frames and requests that a real cell has. What must hold is looked at in every period, and in the
-/// end the campaign has to come to its end once nothing fails any more.
+/// Campaigns in a test cell of three programs that fail, on simulated clocks and a simulated disk: the bridge's main loop, sequencer, Modbus
+/// client, recorder and ledger, controller and served rig with its PLC, joined by the frames and requests that a real cell has. What must hold is
+/// looked at in every period, and on the disk whenever a bridge has ended; in the end the campaign has to come to its end once nothing fails any
+/// more.
 ///
-/// Not in it: threads, disk, ledger and recordings (disk_campaign.hpp), and the terminal.
+/// Not in it: threads, the terminal, and the 0.3 s of the bus that a bridge records before it settles what the one before has left.
 #pragma once
 
 #include <array>
@@ -16,6 +17,7 @@
 
 #include "firmware/control/config.hpp"
 #include "plant_sim/plc/served_rig.hpp"
+#include "plant_sim/simulation/bridge_program.hpp"
 #include "plant_sim/simulation/cell_faults.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 
@@ -31,10 +33,11 @@ struct CellSetup {
     rig::bridge::Freshness limits;  ///< for which the bridge may go on without hearing of PLC or controller
 
     // Mistakes.
-    bool resets = true;            ///< the bridge leads a tripped PLC back
-    bool loop_proves_life = true;  ///< the client's watchdog moves just while the main loop does
-    bool interlocks_trip = true;   ///< the PLC looks at its interlocks
-    bool goes_on = true;           ///< a bridge that starts again goes on with the maneuver that was under way
+    BridgeMistake mistake = BridgeMistake::none;
+    bool interlocks_trip = true;  ///< the PLC looks at its interlocks
+
+    /// For a test that has allocations of the bridge fail, those of its main loop apart.
+    AllocationGate::Hook allocations = {};
 };
 
 /// A light landing from some 10 m/s, which takes a third of a minute. Throws as rig::bridge::load_setup does.
@@ -44,10 +47,15 @@ struct CellOutcome {
     std::vector<std::string> violations;
     std::int64_t attempts = 0;
     std::int64_t finished = 0;
+    std::int64_t starts = 0;       ///< of the bridge
+    std::int64_t refusals = 0;     ///< ends of it because disk or memory refused
+    std::uint64_t damaged = 0;     ///< logs of which the reader says so, each time that it looked
+    std::uint64_t operations = 0;  ///< of the disk
     double simulated_s = 0.0;
     std::map<std::string, std::int64_t> aborts;                ///< by cause
     std::array<std::int64_t, kCellFaultNames.size()> begun{};  ///< faults
     std::uint64_t frames_struck = 0, requests_struck = 0;
+    std::array<std::uint64_t, kDiskFaultNames.size()> disk_struck{};
 
     CellOutcome& operator+=(const CellOutcome& other);
 };

@@ -10,6 +10,7 @@ CellSetup load_cell_setup(const std::filesystem::path& config) {
     rig::bridge::RigOptions options;
     options.scenario = config / "scenarios" / "light.toml";
     options.config = config;
+    options.interface = "can0";
     const rig::bridge::BridgeSetup bridge = rig::bridge::load_setup(options);
     CellSetup setup{.bridge = bridge,
                     .controller = antiskid::load_controller_config(bridge.scenario.controller),
@@ -26,11 +27,16 @@ CellOutcome& CellOutcome::operator+=(const CellOutcome& other) {
     violations.insert(violations.end(), other.violations.begin(), other.violations.end());
     attempts += other.attempts;
     finished += other.finished;
+    starts += other.starts;
+    refusals += other.refusals;
+    damaged += other.damaged;
+    operations += other.operations;
     simulated_s += other.simulated_s;
     frames_struck += other.frames_struck;
     requests_struck += other.requests_struck;
     for (const auto& [cause, count] : other.aborts) aborts[cause] += count;
     for (std::size_t i = 0; i < begun.size(); ++i) begun.at(i) += other.begun.at(i);
+    for (std::size_t i = 0; i < disk_struck.size(); ++i) disk_struck.at(i) += other.disk_struck.at(i);
     return *this;
 }
 

@@ -11,17 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/simulation/simulated_disk.hpp"
+#include "plant_sim/simulation/campaign_books.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
 namespace plant_sim::simulation {
-
-/// What the log reader says of a bus.log.
-struct ReadLog {
-    std::uint64_t frames = 0;
-    std::uint64_t in_order = 0;  ///< from the first on, as they were written
-    bool damage_named = false;
-};
 
 /// What the campaign is run with: a test of the invariants puts its mistakes in here.
 struct Hands {
@@ -32,7 +25,7 @@ struct Hands {
     /// J in the campaign before the next maneuver.
     std::function<double(const rig::record::Ledger&)> taken_J = [](const auto& ledger) { return ledger.cumulative_energy_J(); };
     /// What is believed of a log.
-    std::function<ReadLog(ReadLog)> reading = [](ReadLog read) { return read; };
+    CampaignBooks::Reading reading = {};
     /// A maneuver is said to be finished before the ledger has it.
     bool says_early = false;
     /// A record of which lines are missing counts as whole.

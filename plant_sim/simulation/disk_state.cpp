@@ -32,6 +32,7 @@ DiskState::DiskState(std::uint64_t seed, DiskTrace sink)
 }
 
 std::optional<DiskFault> DiskState::next(Kind kind) {
+    if (paused) return std::nullopt;
     ++operations;
     ++since_restart;
     for (auto strike = strikes.begin(); strike != strikes.end(); ++strike) {
@@ -165,6 +166,11 @@ void DiskState::keep_some(Node& node, double share) {
         }
     }
     node.cached.clear();
+}
+
+void DiskState::kill() {
+    killed_ = killed_ || runs;
+    runs = false;
 }
 
 void DiskState::restart() {

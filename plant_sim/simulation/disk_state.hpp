@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "plant_sim/simulation/allocation_gate.hpp"
 #include "plant_sim/simulation/simulated_disk.hpp"
 #include "rig_bridge/wear/draw.hpp"
 
@@ -56,11 +57,14 @@ struct DiskState {
     /// `refusable`: only a power cut or a kill befalls it otherwise.
     int sync_directory(const std::string& path, bool refusable = true);
     void restart();
+    void kill();
+    [[nodiscard]] bool killed() const { return killed_; }
 
     wear::Generator generator;
     DiskTrace trace;
     std::size_t sector;
     bool runs = true;
+    bool paused = false;
     SqliteLapse lapse = SqliteLapse::none;
     std::uint64_t operations = 0;
     std::uint64_t since_restart = 0;
@@ -68,6 +72,7 @@ struct DiskState {
     std::array<std::uint64_t, kDiskFaultNames.size()> struck{};
     std::map<std::string, NodePointer> names{};
     std::set<std::string> held{};
+    std::shared_ptr<AllocationGate> gate = std::make_shared<AllocationGate>();
 
   private:
     enum class Kind : std::uint8_t { write, create, sync, must_not_fail, other };

@@ -36,6 +36,7 @@ std::string directory_of(const std::string& path) {
 
 int close_file(sqlite3_file* file) {
     OpenFile& open = of(file);
+    const auto scope = open.disk->gate->simulation();
     if (open.passing && !open.path.empty()) (void)open.disk->remove(open.path);
     open.~OpenFile();
     return SQLITE_OK;
@@ -56,6 +57,7 @@ int read_file(sqlite3_file* file, void* to, int size, sqlite3_int64 offset) {
 
 int write_file(sqlite3_file* file, const void* from, int size, sqlite3_int64 offset) {
     const OpenFile& open = of(file);
+    const auto scope = open.disk->gate->simulation();
     std::string_view rest(static_cast<const char*>(from), static_cast<std::size_t>(size));
     auto at = static_cast<std::size_t>(offset);
     while (!rest.empty()) {
@@ -69,11 +71,13 @@ int write_file(sqlite3_file* file, const void* from, int size, sqlite3_int64 off
 
 int truncate_file(sqlite3_file* file, sqlite3_int64 size) {
     const OpenFile& open = of(file);
+    const auto scope = open.disk->gate->simulation();
     return open.disk->truncate(*open.node, open.path, static_cast<std::size_t>(size)) == 0 ? SQLITE_OK : SQLITE_IOERR_TRUNCATE;
 }
 
 int sync_file(sqlite3_file* file, int /*flags*/) {
     OpenFile& open = of(file);
+    const auto scope = open.disk->gate->simulation();
     if (open.disk->sync(*open.node, open.path) != 0) return SQLITE_IOERR_FSYNC;
     if (std::exchange(open.names_new, false))
         (void)open.disk->sync_directory(directory_of(open.path), open.disk->lapse == SqliteLapse::journal_name_unnoticed);
@@ -126,6 +130,7 @@ constexpr sqlite3_io_methods kMethods{.iVersion = 1,
 
 int open_file(sqlite3_vfs* vfs, const char* name, sqlite3_file* file, int flags, int* out_flags) {
     DiskState& disk = of(vfs);
+    const auto scope = disk.gate->simulation();
     file->pMethods = nullptr;
     const std::string path = name == nullptr ? "" : name;
     NodePointer node = path.empty() ? std::make_shared<Node>() : disk.find(path);
@@ -146,6 +151,7 @@ int open_file(sqlite3_vfs* vfs, const char* name, sqlite3_file* file, int flags,
 
 int delete_file(sqlite3_vfs* vfs, const char* name, int sync_directory) {
     DiskState& disk = of(vfs);
+    const auto scope = disk.gate->simulation();
     if (const int error = disk.remove(name); error != 0) return error == ENOENT ? SQLITE_IOERR_DELETE_NOENT : SQLITE_IOERR_DELETE;
     return sync_directory != 0 && disk.lapse != SqliteLapse::removal_not_synced && disk.sync_directory(directory_of(name)) != 0
                ? SQLITE_IOERR_DIR_FSYNC
@@ -153,6 +159,7 @@ int delete_file(sqlite3_vfs* vfs, const char* name, int sync_directory) {
 }
 
 int access_file(sqlite3_vfs* vfs, const char* name, int how, int* result) {
+    const auto scope = of(vfs).gate->simulation();
     const NodePointer node = of(vfs).find(name);
     *result = node && (how != SQLITE_ACCESS_EXISTS || node->directory || !node->now.empty()) ? 1 : 0;
     return SQLITE_OK;

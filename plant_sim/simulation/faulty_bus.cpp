@@ -23,7 +23,7 @@ bool FaultyBus::End::send(const Frame& frame) {
         return false;
     }
     for (End& end : bus_.ends_)
-        if (&end != this) end.take(frame);
+        if (&end != this) end.take(frame, *this);
     return true;
 }
 
@@ -36,10 +36,11 @@ void FaultyBus::End::set_up(bool up) {
     status_.up = up;
 }
 
-void FaultyBus::End::take(const Frame& frame) {
-    if (!status_.up) return;
+void FaultyBus::End::take(const Frame& frame, const End& from) {
+    if (deaf_ || !status_.up) return;
     Travelling one{.frame = frame};
     one.frame.received = bus_.now_;
+    if (&from == neighbour_) return insert(one);
     const auto struck = [this](FrameFault fault) {
         const double share = shares_.at(static_cast<std::size_t>(fault));
         if (share == 0.0 || wear::uniform(bus_.draw_) >= share) return false;
@@ -65,6 +66,10 @@ void FaultyBus::End::take(const Frame& frame) {
 }
 
 void FaultyBus::End::insert(const Travelling& one) {
+    if (queue_.empty() || queue_.back().frame.received <= one.frame.received) {
+        queue_.push_back(one);
+        return;
+    }
     const auto after =
         std::find_if(queue_.rbegin(), queue_.rend(), [&](const Travelling& other) { return other.frame.received <= one.frame.received; });
     queue_.insert(after.base(), one);

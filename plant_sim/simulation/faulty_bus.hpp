@@ -23,7 +23,7 @@ class FaultyBus {
 
     class End final : public antiskid::can::Bus {
       public:
-        explicit End(FaultyBus& bus) : bus_(bus) {}
+        End(FaultyBus& bus, bool deaf) : bus_(bus), deaf_(deaf) {}
         std::size_t receive(std::span<antiskid::can::Frame> frames) override;
         bool send(const antiskid::can::Frame& frame) override;
         /// Whether a frame is there; time does not pass here.
@@ -35,6 +35,8 @@ class FaultyBus {
         /// Of the frames to this end, as they are sent, `share` suffer `fault`.
         void strike(FrameFault fault, double share) { shares_.at(static_cast<std::size_t>(fault)) = share; }
         void calm() { shares_.fill(0.0); }
+        /// Frames of `sender` come whole: both are sockets of one computer, whose kernel echoes what it has sent.
+        void on_computer_of(const End& sender) { neighbour_ = &sender; }
 
       private:
         friend class FaultyBus;
@@ -42,10 +44,12 @@ class FaultyBus {
             antiskid::can::Frame frame;  // received: when it arrives
             bool damaged = false;
         };
-        void take(const antiskid::can::Frame& frame);
+        void take(const antiskid::can::Frame& frame, const End& from);
         void insert(const Travelling& one);
 
         FaultyBus& bus_;
+        bool deaf_;
+        const End* neighbour_ = nullptr;
         std::deque<Travelling> queue_;  // earliest first
         std::array<double, kFrameFaults> shares_{};
         antiskid::can::LinkStatus status_;
@@ -58,8 +62,8 @@ class FaultyBus {
     FaultyBus(const FaultyBus&) = delete;
     FaultyBus& operator=(const FaultyBus&) = delete;
 
-    /// The bus owns it.
-    [[nodiscard]] End& connect() { return ends_.emplace_back(*this); }
+    /// The bus owns it. `deaf`: it only sends.
+    [[nodiscard]] End& connect(bool deaf = false) { return ends_.emplace_back(*this, deaf); }
     void set_time(antiskid::can::Time now) { now_ = now; }
     [[nodiscard]] const std::array<std::uint64_t, kFrameFaults>& struck() const { return struck_; }
 

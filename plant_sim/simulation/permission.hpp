@@ -12,6 +12,7 @@ class Permission {
     explicit Permission(const antiskid::can::Layout& layout) : layout_(layout), heard_(layout) {}
 
     void accept(const antiskid::can::Frame& frame) {
+        if (frame.id != layout_[antiskid::can::Role::maneuver].id && frame.id != layout_[antiskid::can::Role::emergency_stop].id) return;
         const auto role = heard_->accept(frame);
         if (role == antiskid::can::Role::emergency_stop) stopped_ = true;
         if (role != antiskid::can::Role::maneuver) return;

@@ -33,9 +33,18 @@ class SimulatedFile final : public settings::File {
         read_ += count;
         return static_cast<std::int64_t>(count);
     }
-    std::int64_t append(std::string_view bytes) override { return disk_->write(*node_, path_, node_->now.size(), bytes); }
-    int truncate(std::int64_t size) override { return disk_->truncate(*node_, path_, static_cast<std::size_t>(size)); }
-    int sync() override { return disk_->sync(*node_, path_); }
+    std::int64_t append(std::string_view bytes) override {
+        const auto scope = disk_->gate->simulation();
+        return disk_->write(*node_, path_, node_->now.size(), bytes);
+    }
+    int truncate(std::int64_t size) override {
+        const auto scope = disk_->gate->simulation();
+        return disk_->truncate(*node_, path_, static_cast<std::size_t>(size));
+    }
+    int sync() override {
+        const auto scope = disk_->gate->simulation();
+        return disk_->sync(*node_, path_);
+    }
     int close() override { return disk_->runs ? 0 : EIO; }
 
   private:
@@ -67,8 +76,24 @@ SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, SqliteLapse la
 }
 SimulatedDisk::~SimulatedDisk() = default;
 
+void SimulatedDisk::use(std::shared_ptr<AllocationGate> gate) const {
+    state_->gate = std::move(gate);
+}
+
 void SimulatedDisk::strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts) const {
     state_->strikes.push_back({.at = at, .fault = fault, .lasts = lasts});
+}
+
+void SimulatedDisk::strike_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts) const {
+    strike(state_->since_restart + in, fault, lasts);
+}
+
+void SimulatedDisk::kill() const {
+    state_->kill();
+}
+
+void SimulatedDisk::pause(bool on) const {
+    state_->paused = on;
 }
 
 void SimulatedDisk::calm() const {
@@ -88,11 +113,16 @@ bool SimulatedDisk::runs() const {
     return state_->runs;
 }
 
+bool SimulatedDisk::power_cut() const {
+    return !state_->runs && !state_->killed();
+}
+
 void SimulatedDisk::restart() const {
     state_->restart();
 }
 
 settings::Opened SimulatedDisk::open(const fs::path& path) const {
+    const auto scope = state_->gate->simulation();
     if (!state_->runs) return {.file = nullptr, .error = EIO};
     const NodePointer node = state_->find(path.string());
     if (!node) return {.file = nullptr, .error = ENOENT};
@@ -100,38 +130,46 @@ settings::Opened SimulatedDisk::open(const fs::path& path) const {
 }
 
 settings::Opened SimulatedDisk::create(const fs::path& path) const {
+    const auto scope = state_->gate->simulation();
     if (const int error = state_->make(path.string(), false); error != 0) return {.file = nullptr, .error = error};
     return open(path);
 }
 
 int SimulatedDisk::make_directory(const fs::path& path) const {
+    const auto scope = state_->gate->simulation();
     return state_->make(path.string(), true);
 }
 
 int SimulatedDisk::sync_directory(const fs::path& path) const {
+    const auto scope = state_->gate->simulation();
     return state_->sync_directory(path.string());
 }
 
 int SimulatedDisk::rename(const fs::path& from, const fs::path& to) const {
+    const auto scope = state_->gate->simulation();
     return state_->rename(from.string(), to.string());
 }
 
 int SimulatedDisk::remove(const fs::path& path) const {
+    const auto scope = state_->gate->simulation();
     return state_->remove(path.string());
 }
 
 fs::file_status SimulatedDisk::status(const fs::path& path) const {
+    const auto scope = state_->gate->simulation();
     const NodePointer node = state_->find(path.string());
     return fs::file_status(!node ? fs::file_type::not_found : node->directory ? fs::file_type::directory : fs::file_type::regular);
 }
 
 std::variant<std::unique_ptr<settings::File>, settings::HeldBy> SimulatedDisk::hold(const fs::path& path, const std::string& /*who*/) const {
+    const auto scope = state_->gate->simulation();
     if (!state_->runs) throw std::system_error(EIO, std::generic_category(), path.string());
     if (!state_->held.insert(path.string()).second) return settings::HeldBy{};
     return std::make_unique<Hold>(state_, path.string());
 }
 
 std::optional<settings::HeldBy> SimulatedDisk::held_by(const fs::path& path) const {
+    const auto scope = state_->gate->simulation();
     return state_->held.contains(path.string()) ? std::optional(settings::HeldBy{}) : std::nullopt;
 }
 

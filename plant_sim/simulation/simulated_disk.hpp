@@ -36,6 +36,7 @@ enum class SqliteLapse : std::uint8_t { none, journal_name_unnoticed, removal_no
 /// Takes a line for each operation that changes something.
 using DiskTrace = std::function<void(const std::string& line)>;
 
+class AllocationGate;
 struct DiskState;
 
 class SimulatedDisk final : public settings::Storage {
@@ -43,9 +44,18 @@ class SimulatedDisk final : public settings::Storage {
     explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, SqliteLapse lapse = SqliteLapse::none);
     ~SimulatedDisk() override;
 
+    /// What the disk itself allocates is the simulation's.
+    void use(std::shared_ptr<AllocationGate> gate) const;
+
     /// From the `at`-th changing operation since the newest restart(), counted from 1, the first that `fault` can befall. Of `no_space`: for
     /// `lasts` of them.
     void strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
+    /// The same, counted from now on.
+    void strike_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts = 1) const;
+    /// The program dies now, and not by an operation of the disk.
+    void kill() const;
+    /// Meanwhile nothing strikes, and no operation counts.
+    void pause(bool on) const;
     /// Takes back what has not struck yet, and counts operations from here.
     void calm() const;
     /// What has struck, by kind.
@@ -54,6 +64,7 @@ class SimulatedDisk final : public settings::Storage {
 
     /// False after a power cut or a kill: every operation fails.
     [[nodiscard]] bool runs() const;
+    [[nodiscard]] bool power_cut() const;  ///< that is why
     /// The next program can begin. Cuts the power first where no strike has ended the one before.
     void restart() const;
 

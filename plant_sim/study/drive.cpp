@@ -76,10 +76,26 @@ class Cursor {
     /// The time of the next row before `time_s`, else `time_s`.
     [[nodiscard]] double next_row_before(double time_s) const {
         const auto& t = profile_.time_s;
-        return next_ < t.size() && t[next_] < time_s ? t[next_] : time_s;
+        return next_ < t.size() && t[next_] < time_s - kRounding_s ? t[next_] : time_s;
+    }
+
+    /// Right before `time_s`: of rows that are there but for rounding that of the first.
+    double right_before(double time_s) {
+        const auto& t = profile_.time_s;
+        return next_ < t.size() && std::abs(t[next_] - time_s) <= kRounding_s ? profile_.value[next_] : at(time_s);
+    }
+
+    /// Right after `time_s`, where it is `value`: those rows are passed.
+    double right_after(double time_s, double value) {
+        const auto& t = profile_.time_s;
+        for (; next_ < t.size() && t[next_] <= time_s + kRounding_s; ++next_) value = profile_.value[next_];
+        return value;
     }
 
   private:
+    // Of times that were added up. A piece as short as that makes no motion but numbers that are none.
+    static constexpr double kRounding_s = 1e-9;
+
     const DriveProfile& profile_;
     std::size_t next_ = 0;
 };
@@ -89,8 +105,9 @@ double advance_pressure(plant::Rig& rig, Cursor& cursor, double from_s, double t
                         std::vector<plant::Rig::PressurePart>& parts) {
     parts.clear();
     for (double at_s = from_s; at_s < to_s;) {
+        pressure_Pa = cursor.right_after(at_s, pressure_Pa);
         const double next_s = cursor.next_row_before(to_s);
-        const double next_Pa = cursor.at(next_s);
+        const double next_Pa = cursor.right_before(next_s);
         parts.push_back({(next_s - at_s) / (to_s - from_s), pressure_Pa, next_Pa});
         at_s = next_s;
         pressure_Pa = next_Pa;

@@ -4,6 +4,8 @@
 #include <exception>
 #include <utility>
 
+#include "rig_bridge/record/live_file.hpp"
+
 namespace rig::bridge {
 
 using antiskid::can::Role;
@@ -45,7 +47,8 @@ BusNow BusRecorder::now() const {
 }
 
 void BusRecorder::begin(const std::filesystem::path& path) {
-    auto next = std::make_unique<Recording>(path, interface_, layout_, parameters_);
+    auto next = std::make_unique<Recording>(std::make_unique<record::LiveFile>(path), interface_, layout_, parameters_,
+                                            antiskid::can::WallMinusMonotonic{}().wall_minus_monotonic);
     const std::lock_guard lock(mutex_);
     now_.wall_minus_monotonic = next->label.of(Time{});
     next_ = std::move(next);
@@ -79,11 +82,7 @@ void BusRecorder::hear(std::span<const record::CapturedFrame> frames, bool drain
     stamps_.next_batch();
     for (record::CapturedFrame one : frames) {
         const Time came = stamps_.monotonic(one.frame.received);
-        if (recording_) {
-            one.frame.received = recording_->label.of(one.frame.received, came);
-            recording_->log.write(one);
-            if (one.plain()) recording_->meter.accept(one.frame);
-        }
+        if (recording_) recording_->take(one, came);
         if (!one.plain()) continue;
         if (lockstep_ != nullptr) lockstep_->hear(one.frame);
         if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;

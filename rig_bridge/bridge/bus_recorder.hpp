@@ -17,30 +17,10 @@
 #include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/parts.hpp"
-#include "rig_bridge/record/bus_log.hpp"
-#include "rig_bridge/record/bus_meter.hpp"
+#include "rig_bridge/bridge/recording.hpp"
 #include "rig_bridge/record/capture.hpp"
-#include "rig_bridge/record/live_file.hpp"
-#include "rig_bridge/record/stamp_label.hpp"
 
 namespace rig::bridge {
-
-/// One maneuver's record, from begin() to end().
-struct Recording {
-    record::BusLog log;
-    record::BusMeter meter;
-    std::uint64_t dropped_before = 0;  ///< by the kernel, when it began
-    std::uint64_t dropped = 0;         ///< by the kernel, during it
-    bool interrupted = false;          ///< the interface was away for a while
-
-    record::StampLabel label;
-
-    Recording(const std::filesystem::path& path, const std::string& interface, const antiskid::can::Layout& layout,
-              const record::MeterParameters& parameters)
-        : log(std::make_unique<record::LiveFile>(path), interface),
-          meter(layout, parameters),
-          label(antiskid::can::WallMinusMonotonic{}().wall_minus_monotonic) {}
-};
 
 class BusRecorder final : public BusFeed {
   public:

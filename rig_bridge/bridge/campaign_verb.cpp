@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "firmware/can/names.hpp"
 #include "rig_bridge/bridge/bridge_panel.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/landings_left.hpp"
+#include "rig_bridge/bridge/maneuver_record.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
@@ -27,7 +27,6 @@
 #include "rig_bridge/record/capture.hpp"
 #include "rig_bridge/record/health_watch.hpp"
 #include "rig_bridge/record/ledger.hpp"
-#include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
 
 namespace rig::bridge {
@@ -170,12 +169,8 @@ class CampaignRun {
         session_.meanwhile([&] { what = request(attempt); });
         Ran ran = session_.run(what);
         session_.meanwhile([&] {
-            if (!ran.record_error.empty()) {
-                ledger_.mark_unfinished(ran.summary);
-                return;
-            }
-            record::write_summary(attempt.folder / "summary.json", ran.summary);
-            ledger_.finish(ran.summary);
+            enter(ledger_, attempt.folder, ran.summary);
+            if (!ran.record_error.empty()) return;
             if (watch_ != nullptr && ran.summary.outcome == name(rig::Phase::finished) && !record::off_conditions(ran.summary))
                 ledger_.judge(ran.summary.number, watch_->after(ran.summary));
             if (regulation_) {
@@ -221,21 +216,7 @@ std::optional<record::Summary> summary_of_log(const record::Attempt& left, const
     const std::filesystem::path log = replay::log_in(left.folder);
     if (log.empty()) return std::nullopt;
     record_found_bus(setup, left.folder);
-    replay::LogWarnings warnings(log.string(), {});
-    const replay::MeteredLog metered = replay::meter_log(log, setup.layout, setup.meter, replay::LogEnd::left, warnings);
-    if (!metered.counts) return std::nullopt;
-    record::Summary summary;
-    summary.number = left.number;
-    summary.scenario = setup.scenario.name;
-    summary.outcome = name(record::RowState::unfinished);
-    summary.figures = metered.figures;
-    summary.warnings = metered.warnings;
-    summary.faults = antiskid::can::fault_names(metered.faults);
-    summary.frames = metered.frames;
-    summary.seed = setup.options.seed;
-    summary.version = ANTISKID_VERSION;
-    summary.config_hash = setup.config_hash;
-    return summary;
+    return summary_of_left(setup, left, log);
 }
 
 /// The last maneuver before the bridge died may have reached the wear limit or shown an abnormal brake.

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "firmware/can/names.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/can/value_names.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
@@ -15,6 +14,7 @@
 #include "rig_bridge/bridge/panel_state.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
+#include "rig_bridge/record/live_file.hpp"
 #include "rig_bridge/rig/acceptance.hpp"
 
 namespace rig::bridge {
@@ -271,28 +271,8 @@ Ran Session::run(const ManeuverRequest& request) {
     if (!whole) record_error_ = recording->log.error().empty() ? samples.error() : recording->log.error();
     ran.record_error = record_error_;
 
-    record::Summary& s = ran.summary;
-    s.campaign = request.campaign;
-    s.number = request.number;
-    s.scenario = setup_.scenario.name;
-    s.specimen = request.specimen;
-    s.outcome = std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(aborted_by_));
-    if (!record_error_.empty()) s.outcome = record::kRecordLost;
-    s.started = started;
-    s.figures = recording->meter.figures();
-    s.warnings = recording->meter.warnings();
-    if (sequencer.phase() == Phase::finished) {
-        const std::vector<Band> bands = acceptance(setup_.scenario, request.plan);
-        if (!bands.empty()) s.out_of_tolerance = out_of_tolerance(bands, s.figures);
-        ran.outside = what_is_outside(bands, s.figures);
-    }
-    s.cumulative_energy_J = request.taken_J + record::counted_energy_J(s);
-    s.faults = antiskid::can::fault_names(recording->meter.faults());
-    s.frames = recording->log.frames() - recording->log.missing();
-    s.frames_dropped = recording->dropped;
-    s.seed = setup_.options.seed;
-    s.version = ANTISKID_VERSION;
-    s.config_hash = setup_.config_hash;
+    ran.summary = summary_of(setup_, request, sequencer, started, *recording, record_error_.empty());
+    if (sequencer.phase() == Phase::finished) ran.outside = what_is_outside(acceptance(setup_.scenario, request.plan), ran.summary.figures);
     return ran;
 }
 

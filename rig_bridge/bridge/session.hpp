@@ -18,6 +18,7 @@
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
+#include "rig_bridge/bridge/maneuver_record.hpp"
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/trace.hpp"
@@ -26,17 +27,6 @@
 #include "rig_bridge/record/summary.hpp"
 
 namespace rig::bridge {
-
-/// One maneuver to run.
-struct ManeuverRequest {
-    rig::Plan plan;
-    std::string campaign;  ///< empty: a single one
-    std::int64_t number = 1;
-    std::filesystem::path folder;
-    record::Specimen specimen;
-    double taken_J = 0.0;  ///< brake energy of the campaign before it
-    std::optional<CampaignView> view;
-};
 
 struct Ran {
     record::Summary summary;

@@ -11,6 +11,7 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
+#include "rig_bridge/pictures/series_text.hpp"
 
 namespace pictures {
 
@@ -79,70 +80,41 @@ void thin(Chart& chart) {
     }
 }
 
-std::string number(double value, const char* missing) {
-    return std::isfinite(value) ? fmt::format("{:.6g}", value) : missing;
-}
-
 std::string range_text(const std::optional<Range>& range) {
     return range ? fmt::format("[{}:{}]", (*range)[0], (*range)[1]) : "[*:*]";
 }
 
-std::string block(const std::string& name, const Series& s) {
-    std::string rows;
-    for (std::size_t i = 0; i < s.x.size(); ++i) {
-        rows += number(s.x[i], "NaN") + " " + number(s.y[i], "NaN");
-        if (!s.low.empty()) rows += " " + number(s.low[i], "NaN") + " " + number(s.high[i], "NaN");
-        rows += s.notes.empty() ? "\n" : " \"" + s.notes[i] + "\"\n";
-    }
-    return gnuplot_block(name, rows);
-}
-
-std::string plotted(const std::string& name, const Series& s) {
-    const std::string colour = fmt::format("lc rgb '{}'", gnuplot_colour(s.colour));
-    const std::string title = s.in_legend && !s.name.empty() ? "title " + gnuplot_quoted(s.name) : "notitle";
-    std::string out;
-    if (!s.low.empty()) out += fmt::format("${} using 1:3:4 with filledcurves fs solid 0.25 noborder {} notitle, ", name, colour);
-    if (s.style == Style::points) {
-        constexpr std::size_t kMany = 20;
-        const int kind = std::array{7, 5, 9, 13, 11, 15, 4}.at(s.colour % 7);
-        out += fmt::format("${0} using 1:2 with points pt {1} ps {2} {3} notitle, keyentry with points pt {1} ps 1 {3} {4}", name, kind,
-                           s.x.size() > kMany ? 0.45 : 0.9, colour, title);
-    } else {
-        out += fmt::format("${} using 1:2 with lines lw {} {} {} {}", name, s.width, s.style == Style::dashes ? "dt 2" : "dt 1", colour, title);
-    }
-    if (!s.notes.empty()) out += fmt::format(", ${} using 1:2:3 with labels left offset 0.7,0.5 font ',9' tc rgb '#444444' notitle", name);
-    return out;
-}
-
 std::string script(const Figure& figure) {
     const std::size_t columns = static_cast<std::size_t>(figure.columns);
-    std::string out = fmt::format(
-        "set termoption noenhanced\nset autoscale fix\nset lmargin 11\nset rmargin 3\nset key tmargin center horizontal Left reverse samplen 2 width "
-        "1\n"
-        "set multiplot layout {},{} title {}.\"\\n\"\n",
-        (figure.charts.size() + columns - 1) / columns, columns, gnuplot_quoted(figure.title));
+    std::string out =
+        fmt::format("set termoption noenhanced\nset autoscale fix\nset lmargin 11\nset rmargin 3\n{}set multiplot layout {},{} title {}.\"\\n\"\n",
+                    kLegend, (figure.charts.size() + columns - 1) / columns, columns, gnuplot_quoted(figure.title));
     for (std::size_t c = 0; c < figure.charts.size(); ++c) {
         const Chart& chart = figure.charts[c];
         std::string plots;
         for (std::size_t s = 0; s < chart.series.size(); ++s) {
             const std::string name = fmt::format("d{}_{}", c, s);
-            out += block(name, chart.series[s]);
-            plots += (plots.empty() ? "plot " : ", ") + plotted(name, chart.series[s]);
+            out += series_block(name, chart.series[s]);
+            plots += (plots.empty() ? "plot " : ", ") + series_plot(name, chart.series[s]);
         }
         out += "unset arrow\n";
         for (const double x : chart.marks)
             out += fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead dt 3 lc rgb '#555555'\n", x);
-        fmt::format_to(std::back_inserter(out), "{}\nset title {}\nset xlabel {} offset 0,0.4\nset ylabel {}\nset xrange {}\nset yrange {}\n{}\n",
-                       chart.logarithmic_x ? "set logscale x\nset offsets 0, 0, 0, 0" : "unset logscale x\nset offsets 0, 0, graph 0.06, graph 0.06",
-                       gnuplot_quoted(chart.title), gnuplot_quoted(chart.x_label), gnuplot_quoted(chart.y_label), range_text(chart.x_range),
-                       range_text(chart.y_range), plots);
+        // Room around the data: by offsets, which are of numbers and no share of a logarithmic axis; that one goes on to its next tic.
+        const char* const room = chart.logarithmic_x || chart.logarithmic_y ? "0, 0, 0, 0" : "0, 0, graph 0.06, graph 0.06";
+        fmt::format_to(
+            std::back_inserter(out),
+            "unset logscale\n{}{}set offsets {}\nset title {}\nset xlabel {} offset 0,0.4\nset ylabel {}\nset xrange {}\nset yrange {}\n{}\n",
+            chart.logarithmic_x ? "set logscale x\n" : "", chart.logarithmic_y ? "set logscale y\nset autoscale y\n" : "set autoscale yfix\n", room,
+            gnuplot_quoted(chart.title), gnuplot_quoted(chart.x_label), gnuplot_quoted(chart.y_label), range_text(chart.x_range),
+            range_text(chart.y_range), plots);
     }
     return out + "unset multiplot\n";
 }
 
 std::string array_text(const std::vector<double>& values) {
     std::string out;
-    for (const double v : values) out += (out.empty() ? "" : ",") + number(v, "null");
+    for (const double v : values) out += (out.empty() ? "" : ",") + number_text(v, "null");
     return "[" + out + "]";
 }
 
@@ -171,10 +143,10 @@ std::string json_of(const Chart& chart) {
         if (!s.notes.empty()) series += ",\"notes\":" + json_text(s.notes);
         series += "}";
     }
-    return fmt::format(R"({{"title":{},"x":{},"y":{},"log_x":{},"x_range":{},"y_range":{},"marks":{},"series":[
+    return fmt::format(R"({{"title":{},"x":{},"y":{},"log_x":{},"log_y":{},"x_range":{},"y_range":{},"marks":{},"series":[
 {}]}})",
-                       json_text(chart.title), json_text(chart.x_label), json_text(chart.y_label), chart.logarithmic_x, range_json(chart.x_range),
-                       range_json(chart.y_range), array_text(chart.marks), series);
+                       json_text(chart.title), json_text(chart.x_label), json_text(chart.y_label), chart.logarithmic_x, chart.logarithmic_y,
+                       range_json(chart.x_range), range_json(chart.y_range), array_text(chart.marks), series);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ struct Chart {
     std::string y_label = {}, x_label = {};  ///< with unit
     std::vector<Series> series = {};
     std::optional<Range> x_range = {}, y_range = {};  ///< none: what there is
-    bool logarithmic_x = false;
+    bool logarithmic_x = false, logarithmic_y = false;
     std::vector<double> marks = {};  ///< x of vertical lines
 };
 

@@ -29,13 +29,14 @@ namespace fs = std::filesystem;
 
 struct ExportCommand {
     std::string log;
-    fs::path csv, mat, candump;
+    fs::path csv, mat, candump, parquet;
     std::string interface;
     fs::path config = settings::config_directory();
     fs::path scenario, dbc, binding;
     std::string json;
 
     int run() const {
+        if (!parquet.empty()) throw UsageError(how_to_make_parquet());
         if (csv.empty() && mat.empty() && candump.empty()) throw UsageError("nothing to write: expected --csv, --mat or --candump");
         LogWarnings warnings = warnings_of(log);
         nlohmann::ordered_json report{{"log", log}, {"version", ANTISKID_VERSION}};
@@ -49,6 +50,14 @@ struct ExportCommand {
         }
         settings::deliver(json, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         return 0;
+    }
+
+    [[nodiscard]] std::string how_to_make_parquet() const {
+        const std::string table = (csv.empty() ? fs::path(parquet).replace_extension(".csv") : csv).string();
+        return fmt::format(
+            "{0}: Parquet is not written, since Debian 12 has no library for it; export --csv {1}, and where pandas and pyarrow are: "
+            "python3 -c \"import pandas; pandas.read_csv('{1}').to_parquet('{0}')\"",
+            parquet.string(), table);
     }
 
     [[nodiscard]] LogOptions options() const {
@@ -125,6 +134,7 @@ ReplayVerb export_verb(CLI::App& app) {
     verb->add_option("--csv", c->csv, "a row for each sample, time first, units in the names of the columns")->type_name("FILE");
     verb->add_option("--mat", c->mat, "the same columns as variables, MATLAB v7.3")->type_name("FILE");
     verb->add_option("--candump", c->candump, "the frames, candump format")->type_name("FILE");
+    verb->add_option("--parquet", c->parquet, "is not written here: says by which command pandas makes it of --csv")->type_name("FILE");
     verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
     settings::existing_file(
         verb->add_option("--scenario", c->scenario, "teeth and radii: a file of config/scenarios (default: CONFIG/scenarios/heavy.toml)"));

@@ -131,11 +131,8 @@ TEST_CASE("friction of a maneuver follows from seed, number and what the ledger 
     CHECK(worn.brake->state() == wear::BrakeState{1, 2, worn.finished[1].cumulative_energy_J});
     // Another brake or rule is another campaign.
     CHECK_THROWS_AS(campaign(directory / "worn.sqlite", 3), settings::Error);
-    CHECK_THROWS_AS(endurance::run_campaign(s, {.maneuvers = 3,
-                                                .seed = 1,
-                                                .ledger = directory / "worn.sqlite",
-                                                .taken_J = 470e6,
-                                                .by_model = wear::ConditionalRule{}}),
+    CHECK_THROWS_AS(endurance::run_campaign(
+                        s, {.maneuvers = 3, .seed = 1, .ledger = directory / "worn.sqlite", .taken_J = 470e6, .by_model = wear::ConditionalRule{}}),
                     settings::Error);
 }
 

@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 # Of FILE options those that are written; all others have to be there.
-WRITTEN = {"--json", "--csv", "--picture", "--trajectory", "--bus-log", "--rebuild", "--mat", "--candump", "--characterise",
+WRITTEN = {"--json", "--csv", "--picture", "--trajectory", "--bus-log", "--rebuild", "--mat", "--candump", "--parquet", "--characterise",
            "--brake-state", "--port-file"}
 TYPES = {"--config": "DIRECTORY", "--out": "DIRECTORY", "--controller": "FILE", "--json": "FILE", "--picture": "FILE", "--csv": "FILE", "--dbc": "FILE"}
 # What the help says of an option wherever it stands.

@@ -204,3 +204,31 @@ TEST_CASE("drive: a step or a knot between two rows of output acts at its own ti
         CHECK(worst <= 1e-4);
     }
 }
+
+TEST_CASE("drive: rows that miss a millisecond by rounding alone, and a step between two of them, change nothing", "[RIG-001]") {
+    const rig::RigParameters rig = rig::load_rig("config", {}).rig;
+    const double peak = min_peak_pressure_Pa(rig);
+    constexpr int kStep = 700;
+    for (const double off_s : {-1e-10, -1e-13, 1e-16, 1e-13, 1e-10}) {
+        CAPTURE(off_s);
+        study::DriveProfile whole, rounded;
+        for (int i = 0; i <= 1500; ++i) {
+            whole.time_s.push_back(i * 1e-3);
+            whole.value.push_back((i <= kStep ? 2e-4 : 4e-4) * i * peak);
+            rounded.time_s.push_back(whole.time_s.back() + (i % 3 == 0 ? 0.0 : off_s));
+            rounded.value.push_back(whole.value.back());
+            if (i != kStep) continue;
+            for (auto* profile : {&whole, &rounded}) {
+                profile->time_s.push_back(profile->time_s.back() + (profile == &whole ? 1e-6 : 1e-12));
+                profile->value.push_back(4e-4 * i * peak);
+            }
+        }
+        const auto expected = table(study::drive(rig, whole));
+        const auto rows = table(study::drive(rig, rounded));
+        REQUIRE(rows.size() == expected.size());
+        double worst = 0.0;
+        for (std::size_t i = 0; i < rows.size(); ++i) worst = std::fmax(worst, std::abs(rows[i][kOmega] / expected[i][kOmega] - 1.0));
+        CHECK(worst <= 1e-5);
+        CHECK(std::ranges::none_of(rows, [](const std::vector<double>& row) { return std::isnan(row[kOmega]); }));
+    }
+}

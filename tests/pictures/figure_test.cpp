@@ -102,3 +102,14 @@ TEST_CASE("what gnuplot says reaches whoever asked for a picture, and nothing is
     ::setenv("PATH", path.c_str(), 1);
     CHECK_FALSE(std::filesystem::exists(dir.path() / "g.png.gnuplot"));
 }
+
+TEST_CASE("a logarithmic axis is one in the picture and in the data", "[STUDY-185]") {
+    const TempDir dir;
+    Series decades{.name = "decades", .x = {1.0, 2.0, 3.0, 4.0, 5.0}, .y = {1.0, 10.0, 100.0, 1000.0, 10000.0}};
+    CHECK(drawn(dir, {.series = {decades}})["charts"][0]["log_y"] == false);
+    CHECK_THAT(bytes(dir.path() / "f.svg"), !ContainsSubstring("> 100<"));
+    const auto json = drawn(dir, {.series = {decades}, .logarithmic_y = true});
+    CHECK(json["charts"][0]["log_y"] == true);
+    CHECK(json["charts"][0]["log_x"] == false);
+    CHECK_THAT(bytes(dir.path() / "f.svg"), ContainsSubstring("> 100<"));
+}

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""[STUDY-820] [STUDY-830] Ledgers read and wear learnt from Python are what the programs say.
+"""[STUDY-820] [STUDY-830] [STUDY-860] Campaigns run, ledgers read, wear learnt, simulated and regulated from Python are what the programs say.
 
 Usage: campaigns.py DIRECTORY_OF_THE_MODULE RIG_LAB RIG_BRIDGE, from the project root.
 """
@@ -105,16 +105,76 @@ def learnt(folder):
     refused(RuntimeError, "none.json", lambda: antiskid.landings_left(energy_J, friction, "none.json", limit=0.2))
 
 
-def interrupted():
-    """Ctrl-C ends a search that would go on for hours."""
+def ran(folder):
+    """A campaign is the verb's, maneuver by maneuver, and goes on where it was."""
+    mine, own = f"{folder}/mine", antiskid.endurance(f"{folder}/own", maneuvers=12)
+    stated = json.loads(pathlib.Path(folder, "table.json").read_text())
+    assert own == stated, f"{own} instead of {stated}"
+    whole = [column.tolist() for column in antiskid.Ledger(f"{folder}/own").wear()]
+    assert whole[1] == antiskid.Ledger(folder).wear()[1].tolist()  # whose energies were amended
+    first = antiskid.endurance(mine, maneuvers=3)
+    assert first["maneuvers"] == 3 and antiskid.endurance(mine, maneuvers=4)["maneuvers"] == 4
+    assert [column.tolist()[:3] for column in antiskid.Ledger(mine).wear()] == [column[:3] for column in whole]
+    assert antiskid.endurance(f"{folder}/other", maneuvers=3, seed=2)["quantities"] != first["quantities"]
+    refused(ValueError, "maneuvers: expected 1", lambda: antiskid.endurance(mine, maneuvers=0))
+    refused(ValueError, "seed: expected less", lambda: antiskid.endurance(mine, seed=2**63))
+    refused(RuntimeError, "seed", lambda: antiskid.endurance(mine, maneuvers=5, seed=2))
+    refused(RuntimeError, "none.toml", lambda: antiskid.endurance(f"{folder}/new", scenario="none.toml"))
+
+
+def simulated(folder):
+    """Fig. 9 is the verb's."""
+    model = json.loads(pathlib.Path(folder, "mine.json").read_text())
+    said(LAB, "wear", "simulate", folder, "--model", f"{folder}/mine.json", "--seed", "4", "--out", f"{folder}/simulated")
+    rows = csv.DictReader(line for line in pathlib.Path(folder, "simulated/simulated.csv").read_text().splitlines() if not line.startswith("#"))
+    stated = [(float(row["cumulative_energy_J"]), float(row["mean_friction"])) for row in rows]
+    ledger = antiskid.Ledger(folder)
+    assert list(zip(*(column.tolist() for column in ledger.simulated_wear(model, seed=4)))) == stated
+    assert ledger.simulated_wear(model, seed=5)[1].tolist() != [friction for _, friction in stated]
+    refused(RuntimeError, "format", lambda: ledger.simulated_wear({}))
+
+
+def regulated():
+    """Towards what is left, a step at a time, within the floor's range; without measurements back to the default."""
+    def regulator(tyre_life_J):
+        return antiskid.Regulator(5e6, 1e6, landings=100, brake_life_J=3.8e8, brake_taken_J=0.0, tyre_life_J=tyre_life_J)
+
+    for tyre_life_J, way in ((2e8, 1), (0.5e8, -1)):
+        shares = regulator(tyre_life_J)
+        low, high = shares.range
+        assert abs(shares.required_share - tyre_life_J / (tyre_life_J + 3.8e8)) < 1e-12 and shares.reference == 0.24
+        references = [shares.reference]
+        for _ in range(5):
+            assert shares.after(kinetic_J=5e6, brake_J=3.8e6, tyre_J=1.2e6, j_mu=0.95) == "measured"
+            references.append(shares.reference)
+        steps = way * numpy.diff(references)
+        assert (steps >= 0).all() and 0 < steps.max() <= 0.02 + 1e-12 and low <= shares.reference <= high
+        assert shares.landings == 5 and abs(shares.brake_left_J - 3.61e8) < 1 and abs(shares.tyre_left_J - (tyre_life_J - 6e6)) < 1
+        moved = shares.reference
+        assert shares.after(kinetic_J=5e6, brake_J=math.nan, tyre_J=1e6) == "missing" and shares.reference == moved
+        for _ in range(9):
+            shares.after(kinetic_J=5e6, brake_J=math.nan, tyre_J=1e6)
+        assert shares.reference == 0.24
+    assert shares.after(kinetic_J=5e6, brake_J=5e6, tyre_J=5e6) == "energy_mismatch"
+    refused(ValueError, "", lambda: antiskid.Regulator(-1.0, 0.0))
+    refused(RuntimeError, "regulation.toml", lambda: antiskid.Regulator(5e6, 1e6, config="tests"))
+
+
+def interrupted(folder):
+    """Ctrl-C ends what would go on for hours; of a campaign its maneuvers so far are left."""
     signal.signal(signal.SIGALRM, signal.default_int_handler)
-    signal.setitimer(signal.ITIMER_REAL, 0.3)
     friction = 0.3 + 0.01 * numpy.random.default_rng(1).normal(size=2000)
-    try:
-        antiskid.fit_wear(1e6 * numpy.arange(1, 2001), friction, starts=100_000)
-    except KeyboardInterrupt:
-        return
-    raise AssertionError("it was not interrupted")
+    for endless in (lambda: antiskid.fit_wear(1e6 * numpy.arange(1, 2001), friction, starts=100_000),
+                    lambda: antiskid.endurance(f"{folder}/endless", maneuvers=1_000_000)):
+        signal.setitimer(signal.ITIMER_REAL, 0.5)
+        try:
+            endless()
+        except KeyboardInterrupt:
+            continue
+        raise AssertionError("it was not interrupted")
+    done = antiskid.Ledger(f"{folder}/endless").rows()
+    assert len(done["number"]) > 0 and set(done["state"]) == {"finished"}
+    assert antiskid.endurance(f"{folder}/endless", maneuvers=len(done["number"]) + 1)["maneuvers"] == len(done["number"]) + 1
 
 
 def unfinished(folder):
@@ -141,5 +201,8 @@ with tempfile.TemporaryDirectory() as directory:
     wear_points(directory)
     what_is_wrong(directory)
     learnt(directory)
-    interrupted()
+    ran(directory)
+    simulated(directory)
+    regulated()
+    interrupted(directory)
     unfinished(directory)

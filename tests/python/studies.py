@@ -76,10 +76,21 @@ def drawn(folder):
     refused(ValueError, "draws", lambda: antiskid.robust(draws=0))
 
 
+def linear(folder):
+    options = ("--speeds", "2", "--slip", "0.2", "--constant-slip", "--mu-b", "0.2")
+    native = by_verb("margins", *options, "--out", folder, "--json", "-")
+    results = antiskid.margins(speeds=2, slip=0.2, constant_slip=True, mean_friction=0.2)
+    assert results == json.loads(native) and len(results["cells"]) == 64
+    assert antiskid.margins(speeds=2)["cells"] != results["cells"]
+    refused(ValueError, "speeds: expected 2 to 200", lambda: antiskid.margins(speeds=1))
+    refused(ValueError, "slip: expected 0.01 to 0.5", lambda: antiskid.margins(slip=0.6))
+    refused(RuntimeError, "none.toml", lambda: antiskid.margins(controller="none.toml"))
+
+
 def interrupted():
     """Ctrl-C ends studies that would go on for an hour."""
     signal.signal(signal.SIGALRM, signal.default_int_handler)
-    for study in (lambda: antiskid.sweep(landings=10_000), lambda: antiskid.robust(draws=100_000)):
+    for study in (lambda: antiskid.sweep(landings=10_000), lambda: antiskid.robust(draws=100_000), lambda: antiskid.margins(speeds=200)):
         signal.setitimer(signal.ITIMER_REAL, 0.5)
         try:
             study()
@@ -92,4 +103,5 @@ with tempfile.TemporaryDirectory() as directory:
     driven(directory)
     swept(directory)
     drawn(directory)
+    linear(directory)
     interrupted()

@@ -141,6 +141,11 @@ def exports(logs, candump, written, recorded):
     assert rows[0][:4] == ["time_s", "speed_mps", "wheel_rim_speed_mps", "wheel_speed_radps"], rows[0]
     times = [float(row[0]) for row in rows[1:]]
     assert times[0] == 0 and all(a < b for a, b in zip(times, times[1:])) and {len(row) for row in rows} == {len(rows[0])}
+    parquet, own = logs.directory / "a.parquet", logs.directory / "own.csv"
+    for options, source in (((), table), (("--csv", own), own)):
+        said = run(REPLAY, "export", candump, "--parquet", parquet, *options, status=2)
+        assert f"{parquet}: Parquet is not written" in said and f"pandas.read_csv('{source}').to_parquet('{parquet}')" in said, said
+        assert not parquet.exists() and not own.exists()
     maneuvers = EXAMPLE[EXAMPLE.index("[maneuvers]"):].replace("after_s = 0.5", "after_s = 0.1")
     signals = {"wheel_speed": ("wheel_speed_radps", "rad/s"), "flywheel_speed": ("speed_mps", "m/s"), "pressure": ("pressure_Pa", "Pa"),
                "vertical_load": ("vertical_load_N", "N"), "longitudinal_force": ("longitudinal_force_N", "N"),

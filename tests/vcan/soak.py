@@ -103,30 +103,6 @@ def thirds(values):
     return values[:third], values[-third:]
 
 
-def draw(out):
-    script = f"""
-set terminal pngcairo noenhanced size 1000,900 font "sans,11"
-set output "{out}/soak.png"
-set datafile separator ","
-set key outside right
-set grid
-set xlabel "minute"
-set multiplot layout 3,1
-set ylabel "resident memory, MiB"
-set yrange [0:*]
-plot for [i=2:4] "{out}/soak.csv" using 1:(column(i)/1024) with linespoints title columnheader(i)
-set ylabel "latency, us"
-set logscale y
-set yrange [*:*]
-plot for [i=11:13] "{out}/soak.csv" using 1:i with linespoints title columnheader(i)
-unset logscale y
-set ylabel "maneuvers"
-set yrange [0:*]
-plot for [i=8:10] "{out}/soak.csv" using 1:i with linespoints title columnheader(i)
-"""
-    subprocess.run(["gnuplot"], input=script, text=True, check=True)
-
-
 def watch(rig, bridge, options):
     """A row each time."""
     processes = dict(zip(PROGRAMS, (rig.controller, rig.virtual_rig, bridge)))
@@ -200,7 +176,7 @@ def soak(options):
         result |= {"first_third_mean_length_m": statistics.mean(first), "last_third_mean_length_m": statistics.mean(last),
                    "deviation_m": statistics.stdev(lengths)}
     write_table(options.out / "soak.csv", COLUMNS, rows)
-    draw(options.out)
+    subprocess.run([options.build / "tests/vcan/soak_picture", options.out / "soak.csv", options.out / "soak.png"], check=True)
     (options.out / "result.json").write_text(json.dumps(result, indent=2) + "\n")
     print(json.dumps(result, indent=2))
     check(not wrong, "; ".join(wrong))

@@ -53,7 +53,8 @@ TEST_CASE("a kept brake says what is wrong with it", "[WEAR-011]") {
     CHECK_THAT(rejection(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")), ContainsSubstring("check_sum: does not fit"));
     CHECK_THAT(rejection(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")), ContainsSubstring("maneuvers: must be an integer"));
     CHECK_THAT(rejection(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
-    CHECK_THAT(rejection(json, shipped_wear({.energy = 8.0})), ContainsSubstring("wear_hash: this brake was kept with another wear model, law or scale"));
+    CHECK_THAT(rejection(json, shipped_wear({.energy = 8.0})),
+               ContainsSubstring("wear_hash: this brake was kept with another wear model, law or scale"));
     wear::BrakeWear other = shipped_wear();
     wear::Model model = *other.model;
     model.data.maneuvers = 499;

@@ -5,10 +5,10 @@ import json
 import numpy
 
 from . import _native
-from ._native import Command, Controller, Ledger, Rig, Scenario, Sensors, __version__, fit_wear, landings_left, read_log
+from ._native import Command, Controller, Ledger, Regulator, Rig, Scenario, Sensors, __version__, fit_wear, landings_left, read_log
 
-__all__ = ["Command", "Controller", "Ledger", "Rig", "Scenario", "Sensors", "drive", "fit_wear", "landings_left", "read_log", "robust", "stop",
-           "sweep"]
+__all__ = ["Command", "Controller", "Ledger", "Regulator", "Rig", "Scenario", "Sensors", "drive", "endurance", "fit_wear", "landings_left",
+           "margins", "read_log", "robust", "stop", "sweep"]
 
 # What is no float in a table of stops.
 _SWEEP = {"law": object, "surface": object, "maneuver": object, "standstill": object, "faults": object,
@@ -36,6 +36,16 @@ def robust(**keywords):
     """Stops on drawn plants, as `rig-lab robust`: its results and its table of stops."""
     results, stops = _native.robust(**keywords)
     return json.loads(results), _table(stops, _ROBUST)
+
+
+def margins(**keywords):
+    """Phase and gain margins, as `rig-lab margins`: its results."""
+    return json.loads(_native.margins(**keywords))
+
+
+def endurance(out, **keywords):
+    """A campaign of identical maneuvers, as `rig-lab endurance`: its table."""
+    return json.loads(_native.endurance(out, **keywords))
 
 
 def _table(text, kinds):

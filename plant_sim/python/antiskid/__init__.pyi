@@ -70,6 +70,30 @@ def robust(
     """Stops on drawn plants and runways, as `rig-lab robust`: its results.json, and the columns of its stops.csv. Defaults are the verb's;
     `controller`, `ranges`: files instead of those of `config`. `threads` and Ctrl-C as for sweep()."""
 
+def margins(
+    *,
+    slip: float = 0.24,
+    speeds: int = 8,
+    constant_slip: bool = False,
+    mean_friction: float | None = None,
+    controller: str | PathLike[str] = "",
+    config: str | PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """Margins of the slip loop on all surfaces and maneuvers over the speed range, as `rig-lab margins`: its results.json, a cell for each of
+    `speeds` speeds in "cells". Defaults are the verb's; `controller`: a file instead of that of `config`. Ctrl-C as for sweep()."""
+
+def endurance(
+    out: str | PathLike[str],
+    *,
+    maneuvers: int = 500,
+    seed: int = 1,
+    scenario: str | PathLike[str] | None = None,
+    config: str | PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """A campaign of identical maneuvers until the brake is worn, as `rig-lab endurance`: its table.json, Table III. Leaves campaign.sqlite in the
+    directory `out`, for Ledger(); a campaign that is there already goes on. A maneuver that is aborted is an error. Ctrl-C ends it after a
+    maneuver, and it goes on when it is called again."""
+
 def read_log(
     log: str | PathLike[str],
     *,
@@ -136,6 +160,44 @@ class Ledger:
     def wear(self, *, out_of_tolerance: bool = False) -> tuple[Column, Column]:
         """Cumulative energy in J and mean friction of every maneuver that `rig-lab wear fit` learns from: finished, within tolerance, of the newest
         brake and disc."""
+    def simulated_wear(self, model: dict[str, Any], *, seed: int = 1, config: str | PathLike[str] | None = None) -> tuple[Column, Column]:
+        """Fig. 9, as `rig-lab wear simulate --replay torque`: the maneuvers of wear() again on the endurance rig with their recorded torque and
+        friction drawn from `model`, a dictionary of fit_wear(). Cumulative energy in J and mean friction. Ctrl-C ends it."""
+
+class Regulator:
+    """Shares the wear of brake and tyre between the two, landing by landing, through the slip reference: what `rig-bridge campaign --regulate`
+    goes by. Plan, rules and floor are those of regulation.toml."""
+
+    def __init__(
+        self,
+        landing_J: float,
+        landing_deviation_J: float,
+        *,
+        landings: int | None = None,
+        brake_life_J: float | None = None,
+        brake_taken_J: float | None = None,
+        tyre_life_J: float | None = None,
+        config: str | PathLike[str] | None = None,
+    ) -> None:
+        """`landing_J`: kinetic energy of a landing, expected mean, and its standard deviation. The others: instead of the plan's and the brake's."""
+    @property
+    def reference(self) -> float:
+        """For the next landing."""
+    @property
+    def range(self) -> tuple[float, float]:
+        """References that the floor on J_mu allows."""
+    @property
+    def landings(self) -> int: ...
+    @property
+    def brake_left_J(self) -> float: ...
+    @property
+    def tyre_left_J(self) -> float: ...
+    @property
+    def required_share(self) -> float:
+        """Of the energy still to come the tyre's part."""
+    def after(self, *, kinetic_J: float, brake_J: float, tyre_J: float, j_mu: float = ..., reference: float | None = None) -> str:
+        """What was measured of a landing; nan: not measured. `reference`: that was in force, if not the regulator's. How it was taken: measured,
+        missing, negative, beyond_kinetic, energy_mismatch."""
 
 class Scenario:
     """A maneuver, read and checked once. Other threads run while one of its stops does."""

@@ -98,6 +98,15 @@ std::vector<pictures::Series> series_of(const std::vector<StopConditions>& scena
 
 }  // namespace
 
+std::string tyre_name(const rig::Compliance& tyre) {
+    std::string name;
+    const auto add = [&name](const std::string& part) { name += (name.empty() ? "" : ", ") + part; };
+    if (tyre.ring.belt_share > 0.0)
+        add(fmt::format("ring {:g} Hz, damping {:g}, belt {:g}", tyre.ring.frequency_Hz, tyre.ring.damping, tyre.ring.belt_share));
+    if (tyre.relaxation.length_m > 0.0) add(fmt::format("relaxation {:g} m, floor {:g} m", tyre.relaxation.length_m, tyre.relaxation.floor_m));
+    return name.empty() ? "static" : name;
+}
+
 std::string to_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
     const Requirement& r = head.options.requirement;
     auto table =

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plant_sim/study/margins/cells.hpp"
+#include "rig_bridge/rig/compliance.hpp"
 
 namespace study::margins {
 
@@ -17,6 +18,9 @@ struct ReportHead {
     Pid pid;
     std::string tyre = "static";  ///< or the ring tyre it is compared on
 };
+
+/// As compliance.hpp has it, "static" where nothing gives way.
+[[nodiscard]] std::string tyre_name(const rig::Compliance& tyre);
 
 /// Markdown, one row a scenario: the worst margins over its speeds and where, full linearisation; then what is infeasible.
 [[nodiscard]] std::string to_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head);

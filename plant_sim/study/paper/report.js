@@ -57,7 +57,7 @@ function drawFigure(figure) {
       hidden: !s.legend || !s.name, look: lookOf(s) }));
     charts.draw(made, series, rows, {
       dateWindow: chart.x_range, valueRange: chart.y_range, xlabel: chart.x, xLabelHeight: 16, rightGap: chart.series.some(s => s.notes) ? 28 : 5,
-      axes: { x: { logscale: chart.log_x } }, xRangePad: chart.x_range ? 0 : 8,
+      axes: { x: { logscale: chart.log_x }, y: { logscale: chart.log_y } }, xRangePad: chart.x_range ? 0 : 8,
       highlightSeriesOpts: many ? { strokeWidth: 3 } : null,
       underlayCallback: (context, area, graph) => {
         context.fillStyle = '#555';

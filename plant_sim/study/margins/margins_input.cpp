@@ -1,18 +1,18 @@
-#include "plant_sim/lab/margins_input.hpp"
+#include "plant_sim/study/margins/margins_input.hpp"
 
 #include "firmware/host/settings/hash.hpp"
 
-namespace plant_sim::lab {
+namespace study::margins {
 
-MarginsInput load_margins_input(const StopOptions& options) {
+MarginsInput load_margins_input(const plant_sim::StopOptions& options) {
     const std::filesystem::path file = options.config / "margins.toml";
-    MarginsInput input{.settings = study::margins::load_margins_settings(file), .scenarios = {}, .cases = {}, .config_hash = {}};
+    MarginsInput input{.settings = load_margins_settings(file), .scenarios = {}, .cases = {}, .config_hash = {}};
     for (const std::string& surface : rig::surface_names(options.config)) {
         for (const std::string& maneuver : rig::maneuver_names(options.config)) {
-            StopOptions one = options;
+            plant_sim::StopOptions one = options;
             one.choice.surface = surface;
             one.choice.maneuver = maneuver;
-            StopInputs& s = input.scenarios.emplace_back(load_scenario(one));
+            plant_sim::StopInputs& s = input.scenarios.emplace_back(plant_sim::load_scenario(one));
             input.cases.push_back({.surface = surface,
                                    .maneuver = maneuver,
                                    .rig = s.plant.rig,
@@ -27,4 +27,4 @@ MarginsInput load_margins_input(const StopOptions& options) {
     return input;
 }
 
-}  // namespace plant_sim::lab
+}  // namespace study::margins

@@ -1,0 +1,42 @@
+/// Which allocations are the product's, so that a test can make those fail: not what the simulation allocates around and beneath it.
+#pragma once
+
+#include <functional>
+#include <utility>
+
+namespace plant_sim::simulation {
+
+class AllocationGate {
+  public:
+    /// Told whether allocations count from here on.
+    using Hook = std::function<void(bool counts)>;
+
+    explicit AllocationGate(Hook hook = {}) : hook_(std::move(hook)) {}
+
+    /// Until it goes.
+    class Scope {
+      public:
+        Scope(AllocationGate& gate, bool counts) : gate_(gate), before_(std::exchange(gate.counts_, counts)) { gate_.tell(); }
+        ~Scope() {
+            gate_.counts_ = before_;
+            gate_.tell();
+        }
+        Scope(const Scope&) = delete;
+        Scope& operator=(const Scope&) = delete;
+
+      private:
+        AllocationGate& gate_;
+        bool before_;
+    };
+    [[nodiscard]] Scope product() { return {*this, true}; }
+    [[nodiscard]] Scope simulation() { return {*this, false}; }
+
+  private:
+    void tell() const {
+        if (hook_) hook_(counts_);
+    }
+    Hook hook_;
+    bool counts_ = false;
+};
+
+}  // namespace plant_sim::simulation

@@ -1,0 +1,32 @@
+/// Figures that are made again from the recording of a finished maneuver, against those of its summary and of the ledger.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/host/settings/storage.hpp"
+#include "rig_bridge/bridge/bridge_setup.hpp"
+#include "rig_bridge/record/ledger.hpp"
+
+namespace plant_sim::simulation {
+
+class RemadeFigures {
+  public:
+    /// `setup` must outlive it.
+    RemadeFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const settings::Storage> storage)
+        : setup_(setup), storage_(std::move(storage)) {}
+
+    /// Which rows have other figures, of those that were not looked at before.
+    [[nodiscard]] std::vector<std::string> check(std::span<const rig::record::LedgerRow> rows);
+
+  private:
+    const rig::bridge::BridgeSetup& setup_;
+    std::shared_ptr<const settings::Storage> storage_;
+    std::set<std::filesystem::path> seen_;
+};
+
+}  // namespace plant_sim::simulation

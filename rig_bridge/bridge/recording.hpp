@@ -1,0 +1,38 @@
+/// One maneuver's record while it grows: bus.log, and the figures of its frames.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "firmware/can/layout.hpp"
+#include "rig_bridge/record/bus_log.hpp"
+#include "rig_bridge/record/bus_meter.hpp"
+#include "rig_bridge/record/stamp_label.hpp"
+
+namespace rig::bridge {
+
+struct Recording {
+    record::BusLog log;
+    record::BusMeter meter;
+    std::uint64_t dropped_before = 0;  ///< by the kernel, when it began
+    std::uint64_t dropped = 0;         ///< by the kernel, during it
+    bool interrupted = false;          ///< the interface was away for a while
+
+    record::StampLabel label;
+
+    /// `wall_minus_monotonic`: now, when it begins.
+    Recording(std::unique_ptr<record::LineFile> file, const std::string& interface, const antiskid::can::Layout& layout,
+              const record::MeterParameters& parameters, antiskid::can::Time wall_minus_monotonic)
+        : log(std::move(file), interface), meter(layout, parameters), label(wall_minus_monotonic) {}
+
+    /// A frame as the kernel stamped it, which came at `came` by the monotonic clock.
+    void take(record::CapturedFrame& one, antiskid::can::Time came) {
+        one.frame.received = label.of(one.frame.received, came);
+        log.write(one);
+        if (one.plain()) meter.accept(one.frame);
+    }
+};
+
+}  // namespace rig::bridge
