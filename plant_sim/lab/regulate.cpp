@@ -1,8 +1,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -13,6 +16,7 @@
 #include "plant_sim/lab/regulate_report.hpp"
 #include "plant_sim/lab/regulate_stops.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/regulation/bound.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
 namespace plant_sim::lab {
@@ -30,15 +34,15 @@ struct RegulateCommand {
     std::string json_file;                ///< "-": standard output
     std::filesystem::path characterised;  ///< write the floor table here instead
     int lives = 24;
-    std::vector<double> fixed{0.10, 0.24, 0.40};
+    std::vector<double> fixed{0.24};
     int landings = 0;  ///< 0: the plan's
     std::uint64_t seed = 1;
     Mix mix = Mix::random;
     double missing = 0.0;
-    double brake_deviation = 0.0;
+    std::optional<double> life_deviation, tyre_deviation, inspection_error;  ///< none: as the file believes
     int inspection = 32;
     std::string surfaces;  ///< empty: the file's
-    bool forecast = true;
+    bool by_table = false;
     bool floor_check = true;
     unsigned threads = wear::all_cores();
 
@@ -54,28 +58,52 @@ struct RegulateCommand {
         report.rules = asked.rules;
         report.range = asked.range();
         report.limits = wear::limit_forecast(wear::Regulator(report.plan, report.rules, report.range));
-        for (const LandingSite& site : sites.sites) report.options.allowed_on.push_back(asked.range_on(site.surface));
-        if (forecast && asked.forecast_widest > 0.0)
-            report.options.life_forecast.emplace(wear::forecast_model(brake), brake, asked.forecast_widest * report.plan.brake_budget_J());
+        regulation::FleetOptions& options = report.options;
+        options.lives = lives;
+        options.seed = seed;
+        options.mix = mix;
+        options.missing = missing;
+        options.brake_deviation = life_deviation.value_or(asked.deviations.brake);
+        options.tyre_deviation = tyre_deviation.value_or(asked.deviations.tyre);
+        options.inspection = {.landings = inspection,
+                              .error = inspection_error.value_or(asked.deviations.inspection),
+                              .brake_spread = asked.deviations.brake,
+                              .tyre_spread = asked.deviations.tyre};
+        options.references.emplace(asked.floor, asked.rules.j_mu_floor, asked.rules.default_reference);
+        constexpr double kWidest = 0.15;  // of a forecast's interval, over the plan's budget, where the file does not say
+        options.life_forecast.emplace(wear::forecast_model(brake), brake,
+                                      (asked.forecast_widest > 0.0 ? asked.forecast_widest : kWidest) * report.plan.brake_budget_J());
+        options.costs = regulation::costs_of(asked.prices, report.plan);
+        options.scenarios = sites.sites.size();
+        options.worst_stops = floor_check && !by_table;
+        for (const LandingSite& site : sites.sites) {
+            options.allowed_on.push_back(asked.range_on(site.surface));
+            options.surface_of.push_back(static_cast<std::size_t>(asked.floor.find(site.surface) - asked.floor.rows.data()));
+        }
+        const regulation::BoundProblem problem = problem_of(asked, sites, report.plan, options);
+        std::array<std::optional<regulation::Bound>, 2> bounds;  // told the surface, and not
+        wear::run_jobs(threads, bounds.size(), [&](std::size_t i) {
+            regulation::BoundProblem one = problem;
+            one.told = i == 0;
+            bounds.at(i).emplace(std::move(one));
+        });
+        options.bound = &*bounds[0];
+        report.cost_bound = bounds[0]->per_landing();
+        report.cost_untold = bounds[1]->per_landing();
+        report.cost_unshared = regulation::cost_unshared(problem);
         antiskid::host::StopSignals signals;
         const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
-        const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
+        const int stops_a_life = static_cast<int>(all.size()) + (options.worst_stops ? 2 : 0);
         const std::int64_t planned = std::int64_t{lives} * stops_a_life * report.plan.landings;
         settings::Progress progress(planned, 0);
-        report.options.lives = lives;
-        report.options.seed = seed;
-        report.options.mix = mix;
-        report.options.missing = missing;
-        report.options.brake_deviation = brake_deviation;
-        report.options.inspection = inspection;
-        report.options.scenarios = sites.sites.size();
-        report.options.worst_stops = floor_check;
-        report.options.stop = &signals.stop();
-        report.options.on_stops = [&](std::size_t done) {  // lives that bring less than planned go on beyond it
+        options.stop = &signals.stop();
+        options.on_stops = [&](std::size_t done) {  // lives that bring less than planned go on beyond it
             progress.show(std::min(static_cast<std::int64_t>(done), planned));
         };
-        report.policies = regulation::run_fleet(report.plan, report.rules, report.range, all, brake, report.options,
-                                                [&](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, threads); });
+        report.policies = regulation::run_fleet(report.plan, report.rules, report.range, all, brake, options,
+                                                [&](std::span<const regulation::LandingRequest> requests) {
+                                                    return by_table ? land_by_table(sites, asked.floor, requests) : land(sites, requests, threads);
+                                                });
         progress.finish();
         if (report.policies.empty()) return kStopped;
         std::vector<std::filesystem::path> files = sites.files;
@@ -90,6 +118,20 @@ struct RegulateCommand {
     }
 
   private:
+    /// The lives' pairs as they really are, on landings as the sites make them.
+    [[nodiscard]] static regulation::BoundProblem problem_of(const wear::RegulationConfig& asked, const LandingSites& sites,
+                                                             const wear::WearPlan& plan, const regulation::FleetOptions& options) {
+        regulation::BoundProblem problem{.table = asked.floor, .allowed = {}, .landing_J = {}, .costs = options.costs, .begins = {}};
+        for (const wear::SurfaceTable::Row& row : asked.floor.rows) problem.allowed.push_back(asked.range_on(row.surface));
+        for (const LandingSite& site : sites.sites) {  // a maneuver brings the same energy on every surface
+            if (site.surface == sites.sites.front().surface) problem.landing_J.push_back(site.kinetic_J());
+        }
+        for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(options.lives); ++life) {
+            const regulation::Truth truth = regulation::truth_of(plan, sites.sites.front().rig.wear, options, life);
+            problem.begins.push_back({truth.brake.life_J - plan.brake_taken_J, truth.tyre_life_J - plan.tyre_taken_J});
+        }
+        return problem;
+    }
     [[nodiscard]] int characterise() const {
         const LandingSites sites = load_sites(config);
         antiskid::host::StopSignals signals;
@@ -99,21 +141,27 @@ struct RegulateCommand {
         for (int k = kFirst; k <= kLast; k += 2) options.references.push_back(k / 100.0);
         settings::Progress progress(static_cast<std::int64_t>(characterising_stops(sites, options)), 0);
         options.on_stops = [&](std::size_t stops) { progress.show(static_cast<std::int64_t>(stops)); };
-        const wear::Characterisation c = plant_sim::lab::characterise(sites, options);
+        const wear::SurfaceTable table = plant_sim::lab::characterise(sites, options);
         progress.finish();
-        if (c.floor.rows.empty()) return kStopped;
-        settings::write_file(characterised, wear::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
-        print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(), c.floor.rows.size());
+        if (table.rows.empty()) return kStopped;
+        settings::write_file(characterised, wear::to_toml(table, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
+        print_table(json_file, "{}: {} references on {} surfaces\n", characterised.string(), table.reference.size(), table.rows.size());
         return 0;
     }
     [[nodiscard]] std::vector<regulation::Policy> policies(const wear::RegulationConfig& asked, const wear::WearPlan& plan,
                                                            const wear::Range& range) const {
-        const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
-        std::vector<regulation::Policy> all{{"regulated", std::nullopt}};
+        const double best = regulation::best_fixed(plan, asked.floor, range);
+        constexpr int kByHand = 64;  // landings between two visits of who sets the reference by hand
+        std::vector<regulation::Policy> all{{.name = "one reference for all"},
+                                            {.name = "told the surface", .told = true},
+                                            {.name = "one reference without inspection", .inspected = false},
+                                            {.name = "one reference by the forecast", .inspected = false, .forecast = true},
+                                            {.name = "reset by hand every 64 landings", .every = kByHand}};
         for (const double reference : fixed) {
-            if (std::abs(reference - best) > 1e-6) all.push_back({fmt::format("fixed {:.2f}", reference), reference});
+            if (std::abs(reference - best) > 1e-6) all.push_back({.name = fmt::format("fixed {:.2f}", reference), .fixed = reference});
         }
-        all.push_back({fmt::format("best fixed {:.2f}", best), best});
+        all.push_back({.name = fmt::format("best fixed {:.2f}", best), .fixed = best});
+        all.push_back({.name = "the bound's own", .bound = true});
         return all;
     }
 };
@@ -136,19 +184,25 @@ LabVerb regulate_verb(CLI::App& lab) {
     verb->add_option("--missing", command->missing, "share of landings whose measurements are lost")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
-    verb->add_option("--brake-deviation", command->brake_deviation, "brakes differ in what they can still take by this share, standard deviation")
-        ->check(CLI::Range(0.0, 0.5))
-        ->capture_default_str();
-    verb->add_option("--inspection", command->inspection, "landings between two inspections that tell a brake's true wear and life; 0: none")
+    const auto deviation = [&](const char* option, std::optional<double>& value, const char* text) {
+        verb->add_option(option, value, text)->check(CLI::Range(0.0, 0.5));
+    };
+    deviation("--life-deviation", command->life_deviation,
+              "brakes differ in how long they last by this share, lognormal standard deviation (default: the regulation file's)");
+    deviation("--tyre-deviation", command->tyre_deviation, "tyres do by this share (default: the regulation file's)");
+    deviation("--inspection-error", command->inspection_error,
+              "standard deviation of the worn part that an inspection reads, over the whole of a new one (default: the regulation file's)");
+    verb->add_option("--inspection", command->inspection,
+                     "landings between two inspections of brake and tyre, the first at the plan's begin; 0: none")
         ->check(CLI::Range(0, 1'000'000))
         ->capture_default_str();
     verb->add_option("--surfaces", command->surfaces,
                      "seen before the plan's begin, with commas between, or all: others bound the references from their first landing on (default: "
                      "the regulation file's)");
-    verb->add_flag("!--no-forecast", command->forecast, "where nobody inspects: take the brake's life from the configuration, not from its friction");
+    verb->add_flag("--by-table", command->by_table, "land by the table of surfaces, not in closed loop: hundreds of lives in seconds");
     verb->add_flag("!--no-floor-check", command->floor_check, "do not make every regulated landing again at both ends of the range");
     settings::existing_file(verb->add_option("--regulation", command->regulation_file, "plan and rules (default: CONFIG/regulation.toml)"));
-    verb->add_option("--characterise", command->characterised, "only measure J_mu over reference and surface, and write the floor table to this file")
+    verb->add_option("--characterise", command->characterised, "only measure what references give on each surface, and write that table to this file")
         ->type_name("FILE");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory for results.json, landings.csv, regulate.png");
@@ -158,7 +212,7 @@ LabVerb regulate_verb(CLI::App& lab) {
         "Examples:\n"
         "  rig-lab regulate\n"
         "  rig-lab regulate --lives 4 --mix balanced --out out/balanced\n"
-        "  rig-lab regulate --brake-deviation 0.05 --inspection 0 --missing 0.1\n"
+        "  rig-lab regulate --by-table --lives 400 --inspection-error 0.05\n"
         "  rig-lab regulate --surfaces dry_asphalt,wet_asphalt\n"
         "  rig-lab regulate --characterise config/regulation_floor.toml\n"
         "Exit status: 0 both limits met in every life where that was feasible, and no stop beyond the floor; 1 not so; 2 mistake on the command line "

@@ -60,6 +60,21 @@ std::size_t shown_fixed(const RegulateReport& r) {
     return 1;
 }
 
+std::string money_text(const RegulateReport& r) {
+    std::string text = fmt::format(
+        "\nin the owner's money, a landing: {:.2f} is the least that any choice of references can cost, {:.2f} where one must serve all surfaces; "
+        "{:.2f} "
+        "where nobody cares for common visits\n",
+        r.cost_bound, r.cost_untold, r.cost_unshared);
+    const std::vector<bool> possible = r.feasible();
+    for (const PolicyLives& p : r.policies) {
+        const double cost = r.cost_bound + regulation::summary(p, possible, r.plan.tolerance).loss;
+        if (!p.policy.fixed && !p.policy.bound && cost > r.cost_unshared)
+            text += fmt::format("SHARING A VISIT DOES NOT PAY at these prices for \"{}\": {:.2f}\n", p.policy.name, cost);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::vector<bool> RegulateReport::feasible() const {
@@ -83,17 +98,17 @@ std::string to_text(const RegulateReport& r) {
     const PolicyLives& regulated = r.policies.front();
     for (std::size_t i = 0; i < regulated.lives.size(); ++i) text += life_text(regulated.lives[i], static_cast<int>(i) + 1, r.plan);
     auto table = settings::TextTable::markdown(
-        "policy|met, of feasible lives|together, of all lives|first limit at landing:.1f|left of the other: mean:|worst|brake used at plan|tyre used "
-        "at plan|mean J_mu:.4f|least J_mu:.3f|mean distance (m):.1f");
+        "policy|met, of feasible lives|together, of all lives|first limit at landing:.1f|left of the other: mean:|worst|mean J_mu:.4f|least "
+        "J_mu:.3f|mean "
+        "distance (m):.1f|cost a landing:.2f|above the bound:.2f");
     const auto percent = [](double share, int digits) { return fmt::format("{:.{}f} %", share * 100.0, digits); };
     const std::vector<bool> possible = r.feasible();
     for (const PolicyLives& p : r.policies) {
         const Summary s = regulation::summary(p, possible, r.plan.tolerance);
         table.add(p.policy.name, fmt::format("{} of {}", s.met, s.feasible), fmt::format("{} of {}", s.together, p.lives.size()), s.first_landing,
-                  percent(s.other_left, 2), percent(s.worst_other_left, 2), percent(s.brake_at_plan, 1), percent(s.tyre_at_plan, 1), s.j_mu,
-                  s.min_j_mu, s.distance_m);
+                  percent(s.other_left, 2), percent(s.worst_other_left, 2), s.j_mu, s.min_j_mu, s.distance_m, s.cost, s.loss);
     }
-    text += "\n" + table.text();
+    text += "\n" + table.text() + money_text(r);
     const Summary s = regulation::summary(regulated, possible, r.plan.tolerance);
     fmt::format_to(std::back_inserter(text), "\n{}\n",
                    !r.options.worst_stops ? "stop distances were not checked against the floor"
@@ -130,9 +145,13 @@ std::string to_json(const RegulateReport& r) {
                                   {"probability", r.limits.probability}}},
                                 {"mix", r.options.mix == regulation::Mix::random ? "random" : "balanced"},
                                 {"missing", r.options.missing},
-                                {"brake_deviation", r.options.brake_deviation},
-                                {"inspection_landings", r.options.inspection},
-                                {"forecast", r.options.life_forecast.has_value() && r.options.inspection == 0},
+                                {"life_deviation", r.options.brake_deviation},
+                                {"tyre_deviation", r.options.tyre_deviation},
+                                {"inspection_landings", r.options.inspection.landings},
+                                {"inspection_error", r.options.inspection.error},
+                                {"cost_bound", r.cost_bound},
+                                {"cost_untold", r.cost_untold},
+                                {"cost_unshared", r.cost_unshared},
                                 {"floor_checked", r.options.worst_stops},
                                 {"all_met", r.all_met()}};
     auto policies = nlohmann::ordered_json::array();
@@ -148,6 +167,8 @@ std::string to_json(const RegulateReport& r) {
                                    {"worst_other_left", s.worst_other_left},
                                    {"brake_used_at_plan", s.brake_at_plan},
                                    {"tyre_used_at_plan", s.tyre_at_plan},
+                                   {"cost", s.cost},
+                                   {"cost_above_bound", s.loss},
                                    {"j_mu", s.j_mu},
                                    {"min_j_mu", s.min_j_mu},
                                    {"distance_m", s.distance_m}};
@@ -213,23 +234,20 @@ void draw(const RegulateReport& r, const std::filesystem::path& png) {
         reference.series.back().in_legend = i < 2;
         reference.series.back().width = i == 0 ? 2.0 : 0.8;
     }
-    Series brakes{.name = "brake, each life", .style = Style::points, .colour = pictures::blue};
-    Series tyres{.name = "tyre, each life", .style = Style::points, .colour = pictures::vermillion};
+    Series each{.name = "each life", .style = Style::points, .colour = pictures::grey};
+    Series means{.name = "mean", .style = Style::points, .colour = pictures::vermillion};
+    const auto count = static_cast<double>(r.policies.size());
     for (std::size_t p = 0; p < r.policies.size(); ++p) {
-        for (const Life& one : r.policies[p].lives) {
-            brakes.add(static_cast<double>(p) - 0.08, one.brake_at_plan * 100.0);
-            brakes.notes.emplace_back(&one == &r.policies[p].lives.front() ? r.policies[p].policy.name : "");
-            tyres.add(static_cast<double>(p) + 0.08, one.tyre_at_plan * 100.0);
-        }
+        const double line = count - static_cast<double>(p);
+        for (const Life& one : r.policies[p].lives) each.add(one.other_left * 100.0, line);
+        means.add(regulation::summary(r.policies[p], r.feasible(), r.plan.tolerance).other_left * 100.0, line + 0.35);
+        means.notes.push_back(r.policies[p].policy.name);
     }
-    const double end = static_cast<double>(r.policies.size()) - 0.4;
-    const double tolerance = 100.0 * r.plan.tolerance;
-    const pictures::Chart policies{
-        .y_label = "used at the planned landing (%)",
-        .x_label = "policy",
-        .series = {pictures::level(fmt::format("plan, within {} %", tolerance), -0.6, end, 100.0 + tolerance, pictures::grey),
-                   pictures::level("", -0.6, end, 100.0 - tolerance, pictures::grey), std::move(brakes), std::move(tyres)},
-        .x_range = pictures::Range{-0.6, end}};
+    const pictures::Chart policies{.y_label = "policy",
+                                   .x_label = "left of the other at the first limit (%)",
+                                   .series = {std::move(each), std::move(means)},
+                                   .x_range = pictures::Range{-1.0, 101.0},
+                                   .y_range = pictures::Range{0.5, count + 1.0}};
     pictures::draw(
         {.title = fmt::format("Brake and tyre used up together: {} {}, seed {}", lives.size(), lives.size() == 1 ? "life" : "lives", r.options.seed),
          .charts = {used, std::move(reference), policies}},

@@ -16,7 +16,8 @@ struct RegulateReport {
     wear::Range range;
     wear::LimitForecast limits;  ///< at the plan's begin
     regulation::FleetOptions options;
-    std::vector<regulation::PolicyLives> policies;  ///< the regulated one first
+    std::vector<regulation::PolicyLives> policies;                    ///< the regulated one first
+    double cost_bound = 0.0, cost_untold = 0.0, cost_unshared = 0.0;  ///< money a landing: Bound, told the surface or not; cost_unshared()
     std::string config_hash;
 
     [[nodiscard]] std::vector<bool> feasible() const;  ///< of each life

@@ -178,11 +178,38 @@ std::size_t characterising_stops(const LandingSites& sites, const CharacteriseOp
     return 2 * sites.sites.size() * options.references.size();
 }
 
-wear::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options) {
-    wear::Characterisation c;
-    std::vector<double> tyre_J(options.references.size());
-    std::vector<double> all_J(options.references.size());
-    for (std::size_t i = 0; i < options.references.size(); ++i) {
+std::vector<regulation::Stop> land_by_table(const LandingSites& sites, const wear::SurfaceTable& table,
+                                            std::span<const regulation::LandingRequest> requests) {
+    std::vector<regulation::Stop> stops;
+    stops.reserve(requests.size());
+    for (const regulation::LandingRequest& request : requests) {
+        const LandingSite& site = sites.sites.at(request.draw.scenario);
+        const wear::SurfaceTable::Row& row = *table.find(site.surface);
+        const double energy_J = site.kinetic_J();
+        const double tyre_J = table.at(row.tyre_share, request.reference) * energy_J;
+        regulation::Stop& stop = stops.emplace_back();
+        stop.brake_J = energy_J - tyre_J;
+        stop.tyre_J = tyre_J;
+        stop.distance_m = table.at(row.distance_m, request.reference);
+        stop.j_mu = table.at(row.j_mu, request.reference);
+        stop.measured = {.reference = request.reference, .kinetic_J = energy_J, .brake_J = stop.brake_J, .tyre_J = stop.tyre_J, .j_mu = stop.j_mu};
+        stop.measured_friction = request.mean_friction;
+    }
+    return stops;
+}
+
+wear::SurfaceTable characterise(const LandingSites& sites, const CharacteriseOptions& options) {
+    struct Sum {
+        double tyre_J = 0.0, all_J = 0.0, distance_m = 0.0, stops = 0.0;
+    };
+    wear::SurfaceTable table{.reference = options.references, .rows = {}};
+    const std::size_t count = options.references.size();
+    for (const LandingSite& site : sites.sites) {
+        if (table.find(site.surface) != nullptr) continue;
+        const std::vector<double> none(count);
+        table.rows.push_back({.surface = site.surface, .j_mu = std::vector<double>(count, 1.0), .tyre_share = none, .distance_m = none});
+    }
+    for (std::size_t i = 0; i < count; ++i) {
         std::vector<regulation::LandingRequest> requests;
         for (std::size_t site = 0; site < sites.sites.size(); ++site) {
             const rig::LoadedRig& rig = sites.sites[site].rig;
@@ -195,19 +222,21 @@ wear::Characterisation characterise(const LandingSites& sites, const Characteris
         if (options.stop != nullptr && options.stop->load()) return {};
         const std::vector<regulation::Stop> stops = land(sites, requests, options.threads);
         if (options.on_stops) options.on_stops((i + 1) * requests.size());
-        for (std::size_t k = 0; k < requests.size(); ++k) {
-            const std::string& surface = sites.sites[requests[k].draw.scenario].surface;
-            auto row = std::find_if(c.floor.rows.begin(), c.floor.rows.end(), [&](const auto& r) { return r.surface == surface; });
-            if (row == c.floor.rows.end()) row = c.floor.rows.insert(row, {surface, std::vector<double>(options.references.size(), 1.0)});
-            row->j_mu[i] = std::min(row->j_mu[i], stops[k].j_mu);
-            tyre_J[i] += stops[k].tyre_J;
-            all_J[i] += stops[k].tyre_J + stops[k].brake_J;
+        for (wear::SurfaceTable::Row& row : table.rows) {
+            Sum sum;
+            for (std::size_t k = 0; k < requests.size(); ++k) {
+                if (sites.sites[requests[k].draw.scenario].surface != row.surface) continue;
+                row.j_mu[i] = std::min(row.j_mu[i], stops[k].j_mu);
+                sum.tyre_J += stops[k].tyre_J;
+                sum.all_J += stops[k].tyre_J + stops[k].brake_J;
+                sum.distance_m += stops[k].distance_m;
+                sum.stops += 1.0;
+            }
+            row.tyre_share[i] = sum.tyre_J / sum.all_J;
+            row.distance_m[i] = sum.distance_m / sum.stops;
         }
     }
-    c.floor.reference = options.references;
-    c.tyre_share.reserve(tyre_J.size());
-    for (std::size_t i = 0; i < tyre_J.size(); ++i) c.tyre_share.push_back(tyre_J[i] / all_J[i]);
-    return c;
+    return table;
 }
 
 }  // namespace plant_sim::lab

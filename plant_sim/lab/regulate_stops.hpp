@@ -1,5 +1,5 @@
 /// The landings of a regulated life in closed loop: sensors, codec rounding, the real controller and the plant, energies as the rig's meter
-/// counts them. And the table of J_mu that bounds the reference, made of such landings.
+/// counts them. And the table of what references give on each surface, made of such landings, and landings made of that table.
 #pragma once
 
 #include <atomic>
@@ -44,6 +44,11 @@ struct LandingSites {
 /// std::runtime_error, naming the landing, when an aircraft did not come to rest.
 [[nodiscard]] std::vector<regulation::Stop> land(const LandingSites& sites, std::span<const regulation::LandingRequest> requests, unsigned threads);
 
+/// The same without a plant, by the table: no scatter within a surface, and a brake's friction makes no difference. For many lives. Every site's
+/// surface must be in the table.
+[[nodiscard]] std::vector<regulation::Stop> land_by_table(const LandingSites& sites, const wear::SurfaceTable& table,
+                                                          std::span<const regulation::LandingRequest> requests);
+
 struct CharacteriseOptions {
     std::vector<double> references;  ///< rising
     std::uint64_t seed = 1;
@@ -52,7 +57,7 @@ struct CharacteriseOptions {
     std::function<void(std::size_t stops)> on_stops{};
 };
 /// All sites with every reference, the brake new and worn out. Empty when it was stopped.
-[[nodiscard]] wear::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options);
+[[nodiscard]] wear::SurfaceTable characterise(const LandingSites& sites, const CharacteriseOptions& options);
 /// How many stops that takes.
 [[nodiscard]] std::size_t characterising_stops(const LandingSites& sites, const CharacteriseOptions& options);
 

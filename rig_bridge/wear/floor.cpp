@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <stdexcept>
 
 namespace wear {
@@ -15,11 +16,10 @@ double crossing(double x0, double y0, double x1, double y1, double floor) {
     return x0 + (x1 - x0) * (y0 - floor) / (y0 - y1);
 }
 
-Range on_surface(const std::vector<double>& x, const FloorTable::Row& row, double floor, double reference) {
+Range on_surface(const std::vector<double>& x, const SurfaceTable::Row& row, double floor, double reference) {
     const std::vector<double>& y = row.j_mu;
     const auto above = static_cast<std::size_t>(std::distance(x.begin(), std::upper_bound(x.begin(), x.end() - 1, reference)));
-    const std::size_t i = above - 1;  // x[i] <= reference <= x[i + 1]
-    const double here = y[i] + (y[above] - y[i]) * (reference - x[i]) / (x[above] - x[i]);
+    const double here = on_line(x, y, reference);
     if (!(here >= floor))
         throw std::invalid_argument(
             fmt::format("on {} J_mu at the default reference {} is {:.3f}, below the floor {}: "
@@ -51,28 +51,29 @@ Range on_surface(const std::vector<double>& x, const FloorTable::Row& row, doubl
 
 }  // namespace
 
-const FloorTable::Row* FloorTable::find(std::string_view surface) const {
-    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.surface == surface; });
-    return row == rows.end() ? nullptr : &*row;
-}
-
-Range allowed(const FloorTable& table, std::span<const std::string> surfaces, double floor, double reference) {
+Range allowed(const SurfaceTable& table, std::span<const std::string> surfaces, double floor, double reference) {
     const std::vector<double>& x = table.reference;
     if (x.size() < 2 || !(reference >= x.front() && reference <= x.back()))
         throw std::invalid_argument(fmt::format("the default reference {} lies outside of the table of J_mu", reference));
     Range range{x.front(), x.back()};
     for (const std::string& surface : surfaces) {
-        const FloorTable::Row* const row = table.find(surface);
+        const SurfaceTable::Row* const row = table.find(surface);
         if (row == nullptr || row->j_mu.size() != x.size()) {
             std::string known;
-            for (const FloorTable::Row& r : table.rows) known += (known.empty() ? "" : ", ") + r.surface;
+            for (const SurfaceTable::Row& r : table.rows) known += (known.empty() ? "" : ", ") + r.surface;
             throw std::invalid_argument(fmt::format("the table of J_mu has no surface '{}'; it has {}", surface, known));
         }
-        const Range one = on_surface(x, *row, floor, reference);
-        range.lowest = std::max(range.lowest, one.lowest);
-        range.highest = std::min(range.highest, one.highest);
+        range = range.within(on_surface(x, *row, floor, reference));
     }
     return range;
+}
+
+std::vector<double> references_in(const SurfaceTable& table, const Range& range) {
+    std::vector<double> all{range.lowest};
+    std::copy_if(table.reference.begin(), table.reference.end(), std::back_inserter(all),
+                 [&](double r) { return r > range.lowest && r < range.highest; });
+    if (range.highest > range.lowest) all.push_back(range.highest);
+    return all;
 }
 
 }  // namespace wear

@@ -1,10 +1,12 @@
-/// Which slip references keep J_mu above a floor: a table J_mu(reference, surface) from a characterisation run, and the range that it allows.
+/// Which slip references keep J_mu above a floor: the range that the table of surfaces allows.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "rig_bridge/wear/surface_table.hpp"
 
 namespace wear {
 
@@ -12,24 +14,17 @@ struct Range {
     double lowest = 0.0;
     double highest = 0.0;
     [[nodiscard]] bool contains(double reference) const { return reference >= lowest && reference <= highest; }
+    /// What both allow.
+    [[nodiscard]] Range within(const Range& other) const { return {std::max(lowest, other.lowest), std::min(highest, other.highest)}; }
     bool operator==(const Range&) const = default;
-};
-
-/// J_mu of eq. (16) over the slip reference, the worst maneuver of each surface; linear between the references.
-struct FloorTable {
-    struct Row {
-        std::string surface;
-        std::vector<double> j_mu;  ///< at each of `reference`
-    };
-    std::vector<double> reference;  ///< rising, at least two
-    std::vector<Row> rows;
-
-    [[nodiscard]] const Row* find(std::string_view surface) const;
 };
 
 /// The widest range around `reference` in which J_mu stays at or above `floor` on every one of `surfaces`, within the table's references.
 /// Throws std::invalid_argument, naming the surface, for one that the table does not have, or on which `reference` itself is below the floor
 /// or outside of the table.
-[[nodiscard]] Range allowed(const FloorTable& table, std::span<const std::string> surfaces, double floor, double reference);
+[[nodiscard]] Range allowed(const SurfaceTable& table, std::span<const std::string> surfaces, double floor, double reference);
+
+/// The table's references within `range`, and its ends.
+[[nodiscard]] std::vector<double> references_in(const SurfaceTable& table, const Range& range);
 
 }  // namespace wear

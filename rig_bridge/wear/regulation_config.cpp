@@ -18,37 +18,40 @@ constexpr settings::Range kEnergy_J{.min = 1e3, .max = 1e15};
 
 }  // namespace
 
-Characterisation load_characterisation(const std::filesystem::path& file) {
+SurfaceTable load_surface_table(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const settings::Table root = doc.root();
-    Characterisation c;
-    c.floor.reference = root.numbers("slip_reference", {.range = {.min = 0.01, .max = 0.5}, .count = {.min = 2}, .strictly_increasing = true});
-    const settings::Count count{.min = c.floor.reference.size(), .max = c.floor.reference.size()};
-    c.tyre_share = root.numbers("tyre_share", {.range = {.min = 0.0, .max = 1.0}, .count = count});
+    SurfaceTable table;
+    table.reference = root.numbers("slip_reference", {.range = {.min = 0.01, .max = 0.5}, .count = {.min = 2}, .strictly_increasing = true});
+    const settings::Count count{.min = table.reference.size(), .max = table.reference.size()};
     for (const settings::Table& surface : root.tables("surfaces"))
-        c.floor.rows.push_back({surface.name(), surface.numbers("j_mu", {.range = {.min = 0.0, .max = 1.05}, .count = count})});
+        table.rows.push_back(
+            {.surface = surface.name(),
+             .j_mu = surface.numbers("j_mu", {.range = {.min = 0.0, .max = 1.05}, .count = count}),
+             .tyre_share = surface.numbers("tyre_share", {.range = {.min = 0.001, .max = 0.999}, .count = count, .strictly_increasing = true}),
+             .distance_m = surface.numbers("distance_m", {.range = {.min = 1.0, .max = 1e5}, .count = count})});
     doc.finish();
-    return c;
+    return table;
 }
 
-std::string to_toml(const Characterisation& c, const std::string& made_by) {
+std::string to_toml(const SurfaceTable& table, const std::string& made_by) {
     std::string text = fmt::format(
-        "# J_mu of eq. (16) over the slip reference on each surface: the least of all maneuvers, with a new "
-        "brake and a worn one. Made by\n"
-        "#\n#     {}\n#\n"
-        "# tyre_share: the tyre's part of brake and tyre energy, mean of all scenarios.\n\n",
+        "# What a slip reference gives on each surface, in all maneuvers, with a new brake and a worn one: the least J_mu of eq. (16), the tyre's\n"
+        "# share of brake and tyre energy, the mean length of the stop. Made by\n"
+        "#\n#     {}\n\n",
         made_by);
     auto out = std::back_inserter(text);
-    fmt::format_to(out, "slip_reference = [{:.2f}]\n", fmt::join(c.floor.reference, ", "));
-    fmt::format_to(out, "tyre_share = [{:.4f}]\n", fmt::join(c.tyre_share, ", "));
-    for (const FloorTable::Row& row : c.floor.rows) fmt::format_to(out, "\n[surfaces.{}]\nj_mu = [{:.4f}]\n", row.surface, fmt::join(row.j_mu, ", "));
+    fmt::format_to(out, "slip_reference = [{:.2f}]\n", fmt::join(table.reference, ", "));
+    for (const SurfaceTable::Row& row : table.rows)
+        fmt::format_to(out, "\n[surfaces.{}]\nj_mu = [{:.4f}]\ntyre_share = [{:.4f}]\ndistance_m = [{:.1f}]\n", row.surface,
+                       fmt::join(row.j_mu, ", "), fmt::join(row.tyre_share, ", "), fmt::join(row.distance_m, ", "));
     return text;
 }
 
-std::vector<std::string> surfaces_of(const FloorTable& table, const std::string& text) {
+std::vector<std::string> surfaces_of(const SurfaceTable& table, const std::string& text) {
     std::vector<std::string> known;
     known.reserve(table.rows.size());
-    for (const FloorTable::Row& row : table.rows) known.push_back(row.surface);
+    for (const SurfaceTable::Row& row : table.rows) known.push_back(row.surface);
     if (text == "all") return known;
     std::vector<std::string> named;
     std::istringstream in(text);
@@ -86,19 +89,23 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     const settings::Table floor = root.table("floor");
     config.rules.j_mu_floor = floor.number("j_mu", {.min = 0.0, .max = 1.0});
     const std::filesystem::path table = file.parent_path() / floor.text("table");
-    const Characterisation c = load_characterisation(table);
-    config.floor = c.floor;
-    config.tyre_share = c.tyre_share;
+    config.floor = load_surface_table(table);
     try {
         config.surfaces = surfaces_of(config.floor, floor.find_text("surfaces").value_or("all"));
     } catch (const std::invalid_argument& e) {
         floor.fail("surfaces", e.what());
     }
     if (const auto forecast = root.find_table("forecast")) config.forecast_widest = forecast->number("widest", {.min = 0.01, .max = 1.0});
+    const settings::Table deviations = root.table("deviations");
+    const auto deviation = [&](const char* key) { return deviations.number(key, {.min = 0.0, .max = 0.5}); };
+    config.deviations = {.brake = deviation("brake_life"), .tyre = deviation("tyre_life"), .inspection = deviation("inspection")};
+    const settings::Table prices = root.table("prices");
+    const auto price = [&](const char* key) { return prices.number(key, {.min = 0.0, .max = 1e9}); };
+    config.prices = {.brake = price("brake"), .tyre = price("tyre"), .visit = price("visit"), .metre = price("metre")};
     config.files = {file, table};
     doc.finish();
     try {  // also on surfaces that nobody names: one day one of them is seen
-        for (const FloorTable::Row& row : config.floor.rows) static_cast<void>(config.range_on(row.surface));
+        for (const SurfaceTable::Row& row : config.floor.rows) static_cast<void>(config.range_on(row.surface));
     } catch (const std::invalid_argument& e) {
         floor.fail("j_mu", e.what());
     }

@@ -1,4 +1,4 @@
-/// What config/regulation.toml asks of the regulation of wear: plan, rules, and the table of J_mu that bounds the reference.
+/// What config/regulation.toml asks of the regulation of wear: plan, rules, and the table of what references give on each surface; what is believed of lives, and prices.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +10,34 @@
 
 namespace wear {
 
+/// Relative standard deviations of lives about the plan's, and of readings about the truth.
+struct Deviations {
+    double brake = 0.0;
+    double tyre = 0.0;
+    double inspection = 0.0;  ///< of the worn part that an inspection reads, over the whole of a new one
+};
+
+/// An owner's, in any currency.
+struct Prices {
+    double brake = 0.0;  ///< from new to worn out
+    double tyre = 0.0;
+    double visit = 0.0;  ///< to the shop, whatever is changed there
+    double metre = 0.0;  ///< of stopping distance, each landing
+};
+
 struct RegulationConfig {
     /// Without `brake_life_J`, `landing_J` and `landing_deviation_J`, which are the rig's and its landings'; `landings` 0: no planned
     /// landing, both limits together whenever the landings' energy brings them there (see plan_of()).
     WearPlan plan;
     Rules rules;
-    FloorTable floor;
-    std::vector<double> tyre_share;  ///< of all scenarios, mean, at each of floor.reference: what a fixed reference would give
+    SurfaceTable floor;
     /// Seen before the plan's begin, or to be reckoned with: the range must hold on them from the first landing on. All that the table has,
     /// unless the file names them.
     std::vector<std::string> surfaces;
     /// Of the interval of a forecast of the brake's life, over the plan's brake budget: a wider one is not used. 0: nobody forecasts.
     double forecast_widest = 0.0;
+    Deviations deviations;
+    Prices prices;
     std::vector<std::filesystem::path> files;  ///< that were read, for the hash of results
 
     /// allowed() with these surfaces and one more (empty: none).
@@ -31,19 +47,15 @@ struct RegulationConfig {
 };
 
 /// "all", or names with commas between, of the table's surfaces. Throws std::invalid_argument naming one that it does not have.
-[[nodiscard]] std::vector<std::string> surfaces_of(const FloorTable& table, const std::string& text);
+[[nodiscard]] std::vector<std::string> surfaces_of(const SurfaceTable& table, const std::string& text);
 
 /// Reads `file` and the floor table that it names, which stands beside it. Throws settings::Error naming file, line and key.
 [[nodiscard]] RegulationConfig load_regulation_config(const std::filesystem::path& file);
 
-/// The floor table alone, e.g. one just characterised.
-struct Characterisation {
-    FloorTable floor;
-    std::vector<double> tyre_share;
-};
-[[nodiscard]] Characterisation load_characterisation(const std::filesystem::path& file);
+/// The table alone, e.g. one just characterised.
+[[nodiscard]] SurfaceTable load_surface_table(const std::filesystem::path& file);
 /// The same as TOML text; `made_by` is the command, for its first line.
-[[nodiscard]] std::string to_toml(const Characterisation& characterisation, const std::string& made_by);
+[[nodiscard]] std::string to_toml(const SurfaceTable& table, const std::string& made_by);
 
 /// The whole plan for a brake and the energy of its landings. Throws settings::Error where the brake has taken more than its life.
 [[nodiscard]] WearPlan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J);

@@ -84,7 +84,7 @@ void Regulator::learn(const Landing& l) {
     learnt_ += 1.0;
     constexpr double kTrustInOne = 4.0;  // landings that the first guess, eq. (9) at constant slip, is worth
     const double gain = std::max(1.0 / (learnt_ + kTrustInOne), rules_.adaptation);
-    const double seen = measured_share_ / l.reference;
+    const double seen = measured_share_ / (l.expected_share > 0.0 ? l.expected_share : l.reference);
     share_per_slip_ = std::clamp(share_per_slip_ + gain * (seen - share_per_slip_), kMinSharePerSlip, kMaxSharePerSlip);
     kinetic_J_ += l.kinetic_J;
     kinetic_landings_ += 1.0;
@@ -157,10 +157,15 @@ bool Regulator::revise_brake_life(double life_J) {
     return true;
 }
 
+bool Regulator::revise_tyre_life(double life_J) {
+    if (!positive(life_J)) return false;
+    plan_.tyre_life_J = life_J;
+    return true;
+}
+
 void Regulator::narrow(const Range& range) {
     need(range.contains(rules_.default_reference), "the default reference lies outside of the range");
-    range_.lowest = std::max(range_.lowest, range.lowest);
-    range_.highest = std::min(range_.highest, range.highest);
+    range_ = range_.within(range);
     reference_ = std::clamp(reference_, range_.lowest, range_.highest);
 }
 

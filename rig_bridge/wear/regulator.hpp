@@ -48,9 +48,10 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// What was measured of one landing. NaN: not measured.
 struct Landing {
-    double reference = kUnknown;  ///< in force
-    double kinetic_J = kUnknown;  ///< eq. (8)
-    double brake_J = kUnknown;    ///< eq. (9)
+    double reference = kUnknown;       ///< in force
+    double expected_share = kUnknown;  ///< of the tyre, by a table for this reference on its surface; NaN: the reference itself
+    double kinetic_J = kUnknown;       ///< eq. (8)
+    double brake_J = kUnknown;         ///< eq. (9)
     double tyre_J = kUnknown;
     double j_mu = kUnknown;          ///< eq. (16)
     double brake_wear_J = kUnknown;  ///< c_e, all that the brake has taken since new, this landing included; NaN: added up here
@@ -81,9 +82,9 @@ class Regulator {
     Reading after(const Landing& landing);
     /// Energy that was spent without a landing (a maneuver that was aborted); what is no number or negative is left out.
     void spent(double brake_J, double tyre_J);
-    /// Another forecast of the brake's life, from its measured friction; false, and nothing changes, for one that is no number or not
-    /// positive.
+    /// Another estimate of a life, from friction or an inspection; false, and nothing changes, for one that is no number or not positive.
     bool revise_brake_life(double life_J);
+    bool revise_tyre_life(double life_J);
     /// A further surface narrows the range; never widens it. Throws std::invalid_argument for a range without the default.
     void narrow(const Range& range);
 

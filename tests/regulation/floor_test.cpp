@@ -7,12 +7,12 @@
 #include "tests/catch.hpp"
 
 using wear::allowed;
-using wear::FloorTable;
 using wear::Range;
+using wear::SurfaceTable;
 
 namespace {
 
-double line(const FloorTable& table, std::size_t row, double x) {
+double line(const SurfaceTable& table, std::size_t row, double x) {
     std::size_t i = 0;
     while (i + 2 < table.reference.size() && table.reference[i + 1] < x) ++i;
     const double t = (x - table.reference[i]) / (table.reference[i + 1] - table.reference[i]);
@@ -20,7 +20,7 @@ double line(const FloorTable& table, std::size_t row, double x) {
 }
 
 /// Walks away from the reference in small steps until some surface falls below the floor.
-double walked(const FloorTable& table, double floor, double from, double step) {
+double walked(const SurfaceTable& table, double floor, double from, double step) {
     double x = from;
     for (; x >= table.reference.front() && x <= table.reference.back(); x += step) {
         for (std::size_t row = 0; row < table.rows.size(); ++row)
@@ -36,9 +36,9 @@ TEST_CASE("the allowed range is where a walk from the default first meets the fl
     std::uniform_real_distribution<double> j(0.7, 1.0);
     int bounded = 0;
     for (int repeat = 0; repeat < 200; ++repeat) {
-        FloorTable table{.reference = {0.06, 0.1, 0.15, 0.22, 0.26, 0.3, 0.4, 0.5}, .rows = {}};
+        SurfaceTable table{.reference = {0.06, 0.1, 0.15, 0.22, 0.26, 0.3, 0.4, 0.5}, .rows = {}};
         for (const char* name : {"a", "b", "c"}) {
-            FloorTable::Row row{name, {}};
+            SurfaceTable::Row row{name, {}};
             for (const double x : table.reference) row.j_mu.push_back(x > 0.2 && x < 0.28 ? 0.95 : j(generator));
             table.rows.push_back(row);
         }
@@ -54,7 +54,7 @@ TEST_CASE("the allowed range is where a walk from the default first meets the fl
 }
 
 TEST_CASE("a surface that is unknown, or on which the default is below the floor, is refused by name", "[STUDY-167]") {
-    const FloorTable table{.reference = {0.1, 0.3}, .rows = {{"ice", {0.99, 0.99}}, {"cobble", {0.5, 0.9}}}};
+    const SurfaceTable table{.reference = {0.1, 0.3}, .rows = {{"ice", {0.99, 0.99}}, {"cobble", {0.5, 0.9}}}};
     const std::vector<std::string> cobble{"ice", "cobble"};
     const std::vector<std::string> grass{"grass"};
     const std::vector<std::string> ice{"ice"};

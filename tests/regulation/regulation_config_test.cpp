@@ -93,6 +93,15 @@ TEST_CASE("a forecast is asked for by its table, and left out without it", "[STU
     rejects("widest = 0.15", "widest = 0.0", "forecast.widest");
 }
 
+TEST_CASE("deviations and prices are an owner's: all there, none below nothing", "[STUDY-169]") {
+    const RegulationConfig config = wear::load_regulation_config(kShipped);
+    CHECK(config.deviations.brake == 0.12);
+    CHECK(config.prices.brake > config.prices.visit);
+    rejects("visit = 800.0", "visit = -1.0", "prices.visit");
+    rejects("metre = 0.02", "foot = 0.02", "metre");
+    rejects("inspection = 0.02", "inspection = 2.0", "deviations.inspection");
+}
+
 TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-167]") {
     rejects("tyre_life_J = 0.37e9", "tyre_life_MJ = 400", "tyre_life_J");
     rejects("tyre_taken_J = 0.0", "tyre_taken_J = 1e9", "plan.tyre_taken_J: is not below tyre_life_J");
@@ -108,14 +117,18 @@ TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-167]") {
 }
 
 TEST_CASE("a characterisation comes back as it was written", "[STUDY-167]") {
-    const wear::Characterisation c{.floor = {.reference = {0.1, 0.24, 0.5}, .rows = {{"snow", {0.9912, 0.9443, 0.8}}, {"ice", {0.99, 0.98, 0.97}}}},
-                                   .tyre_share = {0.1061, 0.2339, 0.48}};
+    const wear::SurfaceTable table{.reference = {0.1, 0.24, 0.5},
+                                   .rows = {{"snow", {0.9912, 0.9443, 0.8}, {0.1061, 0.2339, 0.48}, {2100.5, 2000.0, 2300.1}},
+                                            {"ice", {0.99, 0.98, 0.97}, {0.1, 0.2, 0.4}, {5000.0, 5000.1, 5000.2}}}};
     const auto file = std::filesystem::temp_directory_path() / "regulation_characterised.toml";
-    std::ofstream(file) << wear::to_toml(c, "rig-lab regulate");
-    const wear::Characterisation read = wear::load_characterisation(file);
-    CHECK(read.floor.reference == c.floor.reference);
-    CHECK(read.tyre_share == c.tyre_share);
-    REQUIRE(read.floor.rows.size() == 2);
-    CHECK(read.floor.rows[0].surface == "snow");
-    CHECK(read.floor.rows[0].j_mu == c.floor.rows[0].j_mu);
+    std::ofstream(file) << wear::to_toml(table, "rig-lab regulate");
+    const wear::SurfaceTable read = wear::load_surface_table(file);
+    CHECK(read.reference == table.reference);
+    REQUIRE(read.rows.size() == 2);
+    for (std::size_t s = 0; s < 2; ++s) {
+        CHECK(read.rows[s].surface == table.rows[s].surface);
+        CHECK(read.rows[s].j_mu == table.rows[s].j_mu);
+        CHECK(read.rows[s].tyre_share == table.rows[s].tyre_share);
+        CHECK(read.rows[s].distance_m == table.rows[s].distance_m);
+    }
 }

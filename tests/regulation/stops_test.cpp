@@ -59,16 +59,19 @@ TEST_CASE("the shipped table of J_mu is what these landings give", "[STUDY-167]"
     const plant_sim::lab::CharacteriseOptions options{.references = {0.20, 0.36}, .seed = 1, .threads = 2};
     // Snow and ice take long: the dry and wet runways are enough here.
     std::erase_if(sites.sites, [](const auto& s) { return s.surface == "snow" || s.surface == "ice"; });
-    const wear::Characterisation made = characterise(sites, options);
+    const wear::SurfaceTable made = characterise(sites, options);
     const auto& grid = config.floor.reference;
     for (std::size_t i = 0; i < 2; ++i) {
         const auto at = std::find_if(grid.begin(), grid.end(), [&](double x) { return std::abs(x - options.references[i]) < 1e-9; });
         REQUIRE(at != grid.end());
-        for (const auto& row : made.floor.rows) {
+        for (const auto& row : made.rows) {
             const auto* shipped = config.floor.find(row.surface);
             REQUIRE(shipped != nullptr);
             CAPTURE(row.surface, *at);
-            CHECK(row.j_mu[i] == Approx(shipped->j_mu[static_cast<std::size_t>(at - grid.begin())]).margin(0.002));
+            const auto k = static_cast<std::size_t>(at - grid.begin());
+            CHECK(row.j_mu[i] == Approx(shipped->j_mu[k]).margin(0.002));
+            CHECK(row.tyre_share[i] == Approx(shipped->tyre_share[k]).margin(0.001));
+            CHECK(row.distance_m[i] == Approx(shipped->distance_m[k]).epsilon(0.002));
         }
     }
 }
@@ -84,7 +87,7 @@ TEST_CASE("a short life in closed loop: brake and tyre are used up together, no 
     plan.brake_taken_J = plan.brake_life_J - 0.72 * left_J;
     plan.tyre_life_J = 0.28 * left_J;
     regulation::FleetOptions options{.lives = 1, .seed = 3, .mix = regulation::Mix::balanced, .missing = 0.0, .scenarios = sites.sites.size()};
-    const auto all = run_fleet(plan, config.rules, config.range(), {{"regulated", std::nullopt}}, brake, options,
+    const auto all = run_fleet(plan, config.rules, config.range(), {{.name = "regulated"}}, brake, options,
                                [&sites](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, 2); });
     const regulation::Life& life = all.front().lives.front();
     CAPTURE(life.brake_at_plan, life.tyre_at_plan, life.brought);

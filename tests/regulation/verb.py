@@ -31,7 +31,7 @@ with tempfile.TemporaryDirectory() as scratch:
     status, text, progress = run(*short, "--out", scratch / "one", "--threads", 1)
     check("exit status", status == 0, text + progress)
     check("what cannot be is said", "not feasible at landing 4" in text and "whatever the reference" in text, text)
-    check("how far it is", "of 40 maneuvers" in progress, progress)
+    check("how far it is", "of 64 maneuvers" in progress, progress)
     status, _, _ = run(*short, "--out", scratch / "two", "--threads", 2)
     for name in ("results.json", "landings.csv"):
         check(f"{name}: the same bytes with two threads",
@@ -39,16 +39,27 @@ with tempfile.TemporaryDirectory() as scratch:
     check("a picture", (scratch / "one/regulate.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n")
     results = json.loads((scratch / "one/results.json").read_text())
     check("what the results are of", all(results[key] for key in ("config_hash", "version", "seed")), results)
-    check("all policies", [p["name"] for p in results["policies"]][:4] ==
-          ["regulated", "fixed 0.10", "fixed 0.24", "fixed 0.40"], results["policies"])
+    names = [p["name"] for p in results["policies"]]
+    check("all policies", {"one reference for all", "told the surface", "fixed 0.24", "the bound's own"} <= set(names), names)
     rows = list(csv.DictReader((scratch / "one/landings.csv").open()))
-    regulated = [r for r in rows if r["policy"] == "regulated" and r["life"] == "1"]
+    regulated = [r for r in rows if r["policy"] == "one reference for all" and r["life"] == "1"]
     check("it begins with the default and moves by the step",
           regulated[0]["slip_reference"] == "0.240000" and regulated[1]["slip_reference"] == "0.260000", regulated[:2])
     last = regulated[3]
     life = results["policies"][0]["lives"][0]
     check("table and results agree",
           abs(float(last["brake_J"]) / life["brake_budget_J"] - life["brake_used_at_plan"]) < 1e-6, (last, life))
+
+    # A visit that costs nothing need not be shared.
+    check("at the shipped prices sharing pays", "DOES NOT PAY" not in text.upper(), text)
+    file = (pathlib.Path("config/regulation.toml").read_text()
+            .replace("visit = 800.0", "visit = 0.0").replace('"regulation_floor.toml"', '"floor.toml"'))
+    (scratch / "free.toml").write_text(file)
+    (scratch / "floor.toml").write_text(pathlib.Path("config/regulation_floor.toml").read_text())
+    _, free, _ = run("--lives", 2, "--by-table", "--regulation", scratch / "free.toml", "--out", scratch / "free")
+    check("where it does not pay, that is said by policy", 'DOES NOT PAY' in free and "one reference for all" in free, free)
+    by_table = json.loads((scratch / "free/results.json").read_text())
+    check("no policy is below the bound", all(p["cost_above_bound"] > -0.01 for p in by_table["policies"]), by_table["policies"])
 
     status, _, error = run("--missing", 2)
     check("a share above 1 is refused", status == 2 and "--missing" in error, error)

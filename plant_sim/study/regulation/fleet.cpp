@@ -10,33 +10,59 @@ namespace regulation {
 
 namespace {
 
-/// The brake of one life as it really is: it can take more or less until it is worn out, and wears the slower or faster for it.
-wear::BrakeWear brake_of(const wear::WearPlan& plan, const wear::BrakeWear& brake, const FleetOptions& options, std::uint64_t life) {
-    constexpr std::uint64_t kStream = 1U << 20U;  // beyond those of the lives' landings
-    wear::Generator generator = wear::generator_of(options.seed, kStream + life);
-    const double budget = std::max(1.0 + options.brake_deviation * wear::normal(generator), 0.5);
-    wear::BrakeWear own = brake;
-    own.life_J = plan.brake_taken_J + budget * plan.brake_budget_J();
-    own.scale.energy *= own.life_J / plan.brake_life_J;
-    return own;
+wear::LiningLaw drawn_law(double lining_J, wear::Generator& generator) {
+    const auto times = [&](double mean, double relative) { return mean * std::exp(relative * wear::normal(generator)); };
+    return {.plateau = 0.25 + 0.006 * wear::normal(generator),
+            .run_in = times(0.05, 0.20),
+            .run_in_J = times(0.03 * lining_J, 0.35),
+            .loss = times(0.025, 0.25),
+            .lining_J = lining_J,
+            .core_loss = times(0.035, 0.20),
+            .core_share = 0.07 + 0.10 * wear::uniform(generator),
+            .per_temperature = -times(0.002, 0.20),
+            .memory = 0.45 + 0.30 * wear::uniform(generator),
+            .play = 0.5 + 0.6 * wear::uniform(generator),
+            .measurement = times(0.004, 0.20)};
 }
 
-LivingPair pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, const Policy& policy, const wear::BrakeWear& brake,
-                   const FleetOptions& options, std::uint64_t life) {
-    constexpr std::size_t kBeyond = 2;  // times the plan: even a life of light landings is over by then
+LivingPair pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, const Policy& policy, const Truth& truth,
+                   const FleetOptions& options, std::uint64_t life, bool worst_stops) {
+    constexpr std::size_t kBeyond = 4;  // times the plan: even a brake and a tyre that last long are used up by then
     const auto planned = static_cast<std::size_t>(plan.landings);
     return {plan, rules, range, draw_life(options.seed, life, kBeyond * planned, planned, options.scenarios, options.mix, options.missing),
-            LifeOptions{.fixed = policy.fixed,
-                        .brake = brake_of(plan, brake, options, life),
+            LifeOptions{.policy = policy,
+                        .brake = truth.brake,
+                        .tyre_life_J = truth.tyre_life_J,
                         .rule = {},
                         .brake_seed = options.seed + life,
                         .inspection = options.inspection,
                         .allowed_on = options.allowed_on,
-                        .life_forecast = options.life_forecast,
-                        .worst_stops = options.worst_stops && !policy.fixed}};
+                        .surface_of = options.surface_of,
+                        .references = options.references,
+                        .life_forecast = policy.forecast ? options.life_forecast : std::nullopt,
+                        .bound = options.bound,
+                        .costs = options.costs,
+                        .worst_stops = worst_stops}};
 }
 
 }  // namespace
+
+Truth truth_of(const wear::WearPlan& plan, const wear::BrakeWear& planned, const FleetOptions& options, std::uint64_t life) {
+    constexpr std::uint64_t kStream = 1U << 20U;  // beyond those of the lives' landings
+    constexpr double kLeast = 0.1;
+    wear::Generator generator = wear::generator_of(options.seed, kStream + life);
+    const auto drawn = [&](double planned_J, double taken_J, double deviation) {
+        for (;;) {
+            const double life_J = planned_J * std::exp(deviation * wear::normal(generator));
+            if (life_J - taken_J >= kLeast * (planned_J - taken_J)) return life_J;
+        }
+    };
+    Truth truth{planned, 0.0};
+    truth.brake.life_J = drawn(plan.brake_life_J, plan.brake_taken_J, options.brake_deviation);
+    truth.tyre_life_J = drawn(plan.tyre_life_J, plan.tyre_taken_J, options.tyre_deviation);
+    truth.brake.law = drawn_law(truth.brake.life_J / truth.brake.scale.energy, generator);
+    return truth;
+}
 
 std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
                                    const std::vector<Policy>& policies, const wear::BrakeWear& brake, const FleetOptions& options,
@@ -44,7 +70,9 @@ std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules
     std::vector<LivingPair> pairs;  // all policies of the first life, then of the second
     pairs.reserve(static_cast<std::size_t>(options.lives) * policies.size());
     for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(options.lives); ++life) {
-        for (const Policy& policy : policies) pairs.push_back(pair_of(plan, rules, range, policy, brake, options, life));
+        const Truth truth = truth_of(plan, brake, options, life);
+        for (const Policy& policy : policies)
+            pairs.push_back(pair_of(plan, rules, range, policy, truth, options, life, options.worst_stops && &policy == &policies.front()));
     }
     struct Request {
         LivingPair* pair;
@@ -87,6 +115,7 @@ Summary summary(const PolicyLives& policy, const std::vector<bool>& feasible, do
     Summary s;
     const auto lives = static_cast<double>(policy.lives.size());
     double stops = 0.0;
+    double landings = 0.0;  // to the first limits
     for (std::size_t i = 0; i < policy.lives.size(); ++i) {
         const Life& life = policy.lives[i];
         if (feasible[i]) ++s.feasible;
@@ -98,6 +127,9 @@ Summary summary(const PolicyLives& policy, const std::vector<bool>& feasible, do
         s.brake_at_plan += life.brake_at_plan / lives;
         s.tyre_at_plan += life.tyre_at_plan / lives;
         s.floor_held = s.floor_held && life.floor_held;
+        s.cost += life.cost;
+        s.loss += life.loss;
+        landings += life.first_landing;
         for (const LifeRow& row : life.rows) {
             s.j_mu += row.j_mu;
             s.min_j_mu = std::min(s.min_j_mu, row.j_mu);
@@ -105,12 +137,14 @@ Summary summary(const PolicyLives& policy, const std::vector<bool>& feasible, do
             stops += 1.0;
         }
     }
+    s.cost /= landings;
+    s.loss /= landings;
     s.j_mu /= stops;
     s.distance_m /= stops;
     return s;
 }
 
-double best_fixed(const wear::WearPlan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share, const wear::Range& range) {
+double best_fixed(const wear::WearPlan& plan, const wear::SurfaceTable& table, const wear::Range& range) {
     constexpr double kStep = 0.01;  // as references are set
     const double wanted = plan.tyre_budget_J() / (plan.tyre_budget_J() + plan.brake_budget_J());
     double best = 0.0;
@@ -119,11 +153,8 @@ double best_fixed(const wear::WearPlan& plan, const std::vector<double>& grid, c
     const int last = static_cast<int>(std::floor(range.highest / kStep + 1e-9));
     for (int k = first; k <= last; ++k) {
         const double reference = k * kStep;
-        const auto above = std::clamp<std::ptrdiff_t>(std::upper_bound(grid.begin(), grid.end(), reference) - grid.begin(), 1,
-                                                      static_cast<std::ptrdiff_t>(grid.size()) - 1);
-        const auto j = static_cast<std::size_t>(above);
-        const double t = (reference - grid[j - 1]) / (grid[j] - grid[j - 1]);
-        const double share = tyre_share[j - 1] + t * (tyre_share[j] - tyre_share[j - 1]);
+        double share = 0.0;
+        for (const wear::SurfaceTable::Row& row : table.rows) share += table.at(row.tyre_share, reference) / static_cast<double>(table.rows.size());
         if (const double off = std::abs(share - wanted); off < min) {
             min = off;
             best = reference;

@@ -35,6 +35,18 @@ double used_at(const std::vector<LifeRow>& rows, double LifeRow::*used, double l
     return before + (landing - whole) * (rows[i].*used - before);
 }
 
+/// To the first limit, the part of its landing included.
+void count(const Costs& costs, Life& life) {
+    const std::vector<LifeRow>& rows = life.rows;
+    for (std::size_t i = 0; i < rows.size() && static_cast<double>(i) < life.first_landing; ++i) {
+        life.cost += std::min(1.0, life.first_landing - static_cast<double>(i)) * costs.metre * rows[i].distance_m;
+        life.loss += rows[i].loss;
+    }
+    const double brake_J = used_at(rows, &LifeRow::brake_J, life.first_landing), tyre_J = used_at(rows, &LifeRow::tyre_J, life.first_landing);
+    life.cost += costs.brake_per_J * brake_J + costs.tyre_per_J * tyre_J +
+                 costs.at_limit({std::max(0.0, life.brake_budget_J - brake_J), std::max(0.0, life.tyre_budget_J - tyre_J)});
+}
+
 void judge(const wear::WearPlan& plan, const wear::Range& range, Life& life) {
     const std::vector<LifeRow>& rows = life.rows;
     const auto planned = static_cast<double>(plan.landings);
@@ -67,6 +79,14 @@ void judge(const wear::WearPlan& plan, const wear::Range& range, Life& life) {
     });
 }
 
+/// Who is told the surface sets mean shares: what references are to another.
+wear::Regulator regulator_of(const wear::WearPlan& plan, wear::Rules rules, const wear::Range& range, const LifeOptions& options) {
+    if (options.policy.every > 1) rules.step = 0.5;  // by hand there is no small step
+    if (!options.policy.told) return {plan, rules, range};
+    rules.default_reference = options.references->default_share();
+    return {plan, rules, options.references->shares()};
+}
+
 }  // namespace
 
 std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t count, std::size_t planned, std::size_t scenarios, Mix mix,
@@ -97,12 +117,15 @@ LivingPair::LivingPair(const wear::WearPlan& plan, const wear::Rules& rules, con
     : range_(range),
       draws_(std::move(draws)),
       options_(options),
-      regulator_(plan, rules, range),
-      life_forecast_(options.life_forecast),
+      regulator_(regulator_of(plan, rules, range, options)),
+      brake_readings_(plan.brake_life_J, options.inspection.brake_spread, options.inspection.error),
+      tyre_readings_(plan.tyre_life_J, options.inspection.tyre_spread, options.inspection.error),
+      held_(regulator_.reference()),
       brake_(options.brake, options.rule, {.seed = options.brake_seed, .maneuvers = 0, .c_e_J = plan.brake_taken_J}) {
     life_.brake_budget_J = options.brake.life_J - plan.brake_taken_J;
-    life_.tyre_budget_J = plan.tyre_budget_J();
+    life_.tyre_budget_J = options.tyre_life_J - plan.tyre_taken_J;
     life_.rows.reserve(draws_.size());
+    if (inspected()) inspect();
 }
 
 bool LivingPair::over() const {
@@ -112,13 +135,23 @@ bool LivingPair::over() const {
     return used_up && landings >= static_cast<std::size_t>(regulator_.plan().landings);
 }
 
+Pair LivingPair::left() const {
+    return {life_.brake_budget_J - brake_J_, life_.tyre_budget_J - tyre_J_};
+}
+
+double LivingPair::next_reference() const {
+    const Policy& policy = options_.policy;
+    if (policy.fixed) return *policy.fixed;
+    if (!policy.told && !policy.bound) return std::clamp(held_, range_.lowest, range_.highest);
+    const std::size_t surface = options_.surface_of[draws_[life_.rows.size()].scenario];
+    return policy.bound ? options_.bound->best(left(), surface) : options_.references->reference(surface, held_);
+}
+
 std::vector<LandingRequest> LivingPair::requests() const {
     const double friction = brake_.next_friction();
     const Draw& draw = draws_[life_.rows.size()];
-    std::vector<LandingRequest> requests{{.draw = draw,
-                                          .reference = options_.fixed.value_or(regulator_.reference()),
-                                          .mean_friction = friction,
-                                          .metered = !options_.fixed && draw.measured}};
+    std::vector<LandingRequest> requests{
+        {.draw = draw, .reference = next_reference(), .mean_friction = friction, .metered = regulated() && draw.measured}};
     if (options_.worst_stops) {
         const wear::Range& range = regulator_.range();
         for (const double end : {range.lowest, range.highest})
@@ -131,24 +164,27 @@ void LivingPair::landed(std::span<const Stop> stops) {
     const Draw& draw = draws_[life_.rows.size()];
     const Stop& stop = stops.front();
     LifeRow row;
-    row.reference = options_.fixed.value_or(regulator_.reference());
-    if (!options_.fixed) {
+    row.reference = next_reference();
+    if (regulated()) {
         row.required_share = regulator_.required_share();
         row.brake_life_J = regulator_.plan().brake_life_J;
     }
+    if (const Pair before = left(); options_.bound != nullptr && before.brake_J > 0.0 && before.tyre_J > 0.0)
+        row.loss = options_.bound->loss(before, options_.surface_of[draw.scenario], row.reference);
     for (const Stop& worst : stops.subspan(1)) row.worst_distance_m = std::max(row.worst_distance_m, worst.distance_m);
-    brake_.take(stop.brake_J);
+    // Whoever goes on to the planned landing does so with a brake as it is at its limit: beyond it a lining's law soon leaves none.
+    brake_.take(std::clamp(options_.brake.life_J - brake_.state().c_e_J, 0.0, stop.brake_J));
     brake_J_ += stop.brake_J;
     tyre_J_ += stop.tyre_J;
-    if (!options_.fixed) {
-        regulate(draw, stop);
+    if (regulated()) {
+        regulate(draw, stop, row.reference);
         row.reading = regulator_.last_reading();
     }
     if (!options_.allowed_on.empty()) {
         const wear::Range& here = options_.allowed_on[draw.scenario];
         row.new_surface = range_.lowest < here.lowest || range_.highest > here.highest;
-        range_ = {std::max(range_.lowest, here.lowest), std::min(range_.highest, here.highest)};
-        regulator_.narrow(here);
+        range_ = range_.within(here);
+        if (!options_.policy.told) regulator_.narrow(here);
     }
     row.share = stop.tyre_J / (stop.tyre_J + stop.brake_J);
     row.brake_J = brake_J_;
@@ -156,31 +192,51 @@ void LivingPair::landed(std::span<const Stop> stops) {
     row.distance_m = stop.distance_m;
     row.j_mu = stop.j_mu;
     life_.rows.push_back(row);
+    if (life_.rows.size() % static_cast<std::size_t>(options_.policy.every) == 0) held_ = regulator_.reference();
+}
+
+/// The worn parts are read, each with its error.
+void LivingPair::inspect() {
+    constexpr std::uint64_t kStream = 1U << 21U;
+    wear::Generator generator = wear::generator_of(options_.brake_seed, kStream + life_.rows.size());
+    const auto seen = [&](double taken_J, double life_J) { return taken_J / life_J + options_.inspection.error * wear::normal(generator); };
+    const wear::WearPlan& plan = regulator_.plan();
+    brake_readings_.read(regulator_.brake_used_J(), seen(plan.brake_taken_J + brake_J_, options_.brake.life_J));
+    tyre_readings_.read(regulator_.tyre_used_J(), seen(plan.tyre_taken_J + tyre_J_, options_.tyre_life_J));
+    regulator_.revise_brake_life(brake_readings_.life_J());
+    regulator_.revise_tyre_life(tyre_readings_.life_J());
 }
 
 /// What is known of a landing goes to the regulator.
-void LivingPair::regulate(const Draw& draw, const Stop& stop) {
+void LivingPair::regulate(const Draw& draw, const Stop& stop, double reference) {
+    const Policy& policy = options_.policy;
     wear::Landing measured;
     if (draw.measured) {
         measured = stop.measured;
-        measured.reference = regulator_.reference();
-    }
-    const bool inspected = options_.inspection > 0 && (regulator_.landings() + 1) % options_.inspection == 0;
-    if (inspected) measured.brake_wear_J = brake_.state().c_e_J;
-    regulator_.after(measured);
-    if (life_forecast_ && draw.measured && options_.inspection == 0) {
-        life_forecast_->learn(regulator_.brake_used_J(), stop.measured_friction);
-        constexpr int kEvery = 8;  // landings: a forecast costs as much as a short stop
-        if (regulator_.landings() % kEvery == 0) {
-            if (const auto life_J = life_forecast_->life_J()) regulator_.revise_brake_life(*life_J);
+        measured.reference = policy.told ? held_ : reference;
+        if (policy.told) {
+            const std::size_t surface = options_.surface_of[draw.scenario];
+            measured.expected_share = options_.references->share(surface, reference);
+            measured.j_mu = wear::kUnknown;  // a shortfall bounds this surface's references, not the mean share
+            if (stop.measured.j_mu < regulator_.rules().j_mu_floor) options_.references->narrow(surface, reference, regulator_.rules().step);
+            options_.references->landed(surface);
         }
     }
-    if (inspected) regulator_.revise_brake_life(options_.brake.life_J);
+    regulator_.after(measured);
+    if (policy.forecast && draw.measured) {
+        options_.life_forecast->learn(regulator_.brake_used_J(), stop.measured_friction);
+        constexpr int kEvery = 8;  // landings: a forecast costs as much as a short stop
+        if (regulator_.landings() % kEvery == 0) {
+            if (const auto life_J = options_.life_forecast->life_J()) regulator_.revise_brake_life(*life_J);
+        }
+    }
+    if (inspected() && regulator_.landings() % options_.inspection.landings == 0) inspect();
 }
 
 Life LivingPair::life() const {
     Life life = life_;
     judge(regulator_.plan(), range_, life);
+    count(options_.costs, life);
     return life;
 }
 

@@ -1,15 +1,19 @@
-/// The life of one brake and one tyre between two plans: landings drawn at random, the brake wearing by its model, the slip reference
-/// regulated or fixed. A life asks for its landings; how they are made is not its business.
+/// The life of one brake and one tyre between two plans: landings drawn at random, brake and tyre lasting as long as they really do, the slip
+/// reference chosen by a policy. A life asks for its landings; how they are made is not its business.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "plant_sim/study/regulation/bound.hpp"
 #include "rig_bridge/wear/life_forecast.hpp"
+#include "rig_bridge/wear/life_readings.hpp"
 #include "rig_bridge/wear/regulator.hpp"
+#include "rig_bridge/wear/surface_references.hpp"
 #include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace regulation {
@@ -48,17 +52,40 @@ struct LandingRequest {
     bool metered = true;         ///< Stop::measured is wanted, too
 };
 
+/// How references are chosen.
+struct Policy {
+    std::string name;
+    std::optional<double> fixed{};  ///< this one throughout; none: regulated
+    bool inspected = true;          ///< where the lives have inspections
+    bool forecast = false;          ///< the brake's life by its friction, where nobody inspects
+    bool told = false;              ///< the surface, before each landing: a reference for each
+    bool bound = false;             ///< Bound::best() for what is really left
+    int every = 1;                  ///< landings after which the reference is set again
+};
+
+/// What an inspection is like.
+struct Inspection {
+    int landings = 0;    ///< between two, the first at the plan's begin; 0: none
+    double error = 0.0;  ///< standard deviation of the worn part that is read, of brake and of tyre, over the whole of a new one
+    /// What is believed beforehand of the lives of brake and tyre.
+    double brake_spread = 0.12, tyre_spread = 0.1;
+};
+
 struct LifeOptions {
-    std::optional<double> fixed;  ///< this reference throughout; none: regulated
-    wear::BrakeWear brake;        ///< as it really is; its life may differ from the plan's
+    Policy policy;
+    wear::BrakeWear brake;     ///< as it really is; its life may differ from the plan's
+    double tyre_life_J = 0.0;  ///< true
     wear::ConditionalRule rule;
     std::uint64_t brake_seed = 1;
-    int inspection = 0;  ///< landings between two inspections of the brake, which tell its true wear and life; 0: none
+    Inspection inspection{};
     /// Of each scenario's surface what the floor allows there, learnt with its first landing: Regulator::narrow(). Empty: the range given has
     /// all surfaces in it.
     std::vector<wear::Range> allowed_on{};
-    /// Of the brake as planned, where nobody inspects it; none: nobody forecasts its life.
-    std::optional<wear::LifeForecast> life_forecast{};
+    std::vector<std::size_t> surface_of{};                ///< of each scenario, as `references` and `bound` count them
+    std::optional<wear::SurfaceReferences> references{};  ///< for who is told the surface
+    std::optional<wear::LifeForecast> life_forecast{};    ///< of the brake as planned
+    const Bound* bound = nullptr;                         ///< what each landing loses is reckoned with it
+    Costs costs{};
     bool worst_stops = false;  ///< also land with both ends of the range, to know the distance that the floor stands for
 };
 
@@ -72,6 +99,7 @@ struct LifeRow {
     double worst_distance_m = 0.0;  ///< at the worse end of the range; 0: not asked for
     double j_mu = 0.0;
     double brake_life_J = 0.0;  ///< that the regulator counted with before it; 0 with a fixed reference
+    double loss = 0.0;          ///< Bound::loss(), to the first limit
     bool new_surface = false;   ///< nobody knew of this surface: the floor does not bind yet
     wear::Reading reading = wear::Reading::measured;
 };
@@ -88,6 +116,8 @@ struct Life {
     double brought = 0.0;        ///< energy of the planned landings over both budgets
     bool feasible = false;       ///< some reference in the range could have met both limits at the planned landing, within the tolerance
     bool met = false;            ///< both were
+    double cost = 0.0;           ///< of wear, distance and visits, to the first limit: see Bound
+    double loss = 0.0;           ///< of that, what the bound's policy would have saved in the mean
     bool floor_held = true;      ///< no stop was longer than at the worse end of the range, by more than kDistanceNoise
 };
 
@@ -113,13 +143,19 @@ class LivingPair {
     [[nodiscard]] Life life() const;
 
   private:
-    void regulate(const Draw& draw, const Stop& stop);
+    [[nodiscard]] bool regulated() const { return !options_.policy.fixed && !options_.policy.bound; }
+    [[nodiscard]] bool inspected() const { return regulated() && options_.policy.inspected && options_.inspection.landings > 0; }
+    [[nodiscard]] Pair left() const;
+    [[nodiscard]] double next_reference() const;
+    void inspect();
+    void regulate(const Draw& draw, const Stop& stop, double reference);
 
     wear::Range range_;  // of all surfaces seen so far
     std::vector<Draw> draws_;
     LifeOptions options_;
     wear::Regulator regulator_;
-    std::optional<wear::LifeForecast> life_forecast_;
+    wear::LifeReadings brake_readings_, tyre_readings_;
+    double held_;  // the regulator's reference when it was last taken over
     wear::WearingBrake brake_;
     Life life_;
     double brake_J_ = 0.0;
