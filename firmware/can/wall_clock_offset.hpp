@@ -34,7 +34,7 @@ class WallClockOffset {
         was_set_ = !was_set_ && differs(offset_, before);
         if (was_set_) offset_ = before;
     }
-    /// Never before the frame before it, nor still to come.
+    /// Never still to come.
     [[nodiscard]] Time monotonic(Time wall) {
         const Time mapped = wall - offset_;
         if (mapped >= last_ && mapped - last_ <= kLeap) return last_ = mapped;
@@ -46,9 +46,8 @@ class WallClockOffset {
             offset_ = before;
             return last_ = mapped;
         }
-        // A clock that was set and set back before anybody looked leaves stamps of neither offset. Frames are read in the order in which they came, and
-        // none before it came.
-        return last_ = std::clamp(fresh, last_, std::max(last_, now));
+        // A clock that was set and set back before anybody looked leaves stamps of an offset that nobody saw.
+        return last_ = std::min(fresh, now);
     }
 
   private:

@@ -2,6 +2,8 @@
 /// middle of a maneuver changes no figure of it.
 #pragma once
 
+#include <algorithm>
+
 #include "firmware/can/frame.hpp"
 
 namespace rig::record {
@@ -11,12 +13,13 @@ class StampLabel {
     /// `wall_minus_monotonic`: now, when the record begins.
     explicit StampLabel(antiskid::can::Time wall_minus_monotonic) : offset_(wall_minus_monotonic) {}
 
-    /// For the kernel's stamp of a frame that came at `monotonic`: the stamp itself to the nanosecond, unless the clock was set.
+    /// For the kernel's stamp of a frame that came at `monotonic`: the stamp itself to the nanosecond, unless the clock was set;
+    /// never before the one before it.
     [[nodiscard]] antiskid::can::Time of(antiskid::can::Time stamp, antiskid::can::Time monotonic) {
         const antiskid::can::Time set = stamp - monotonic - offset_;
         const antiskid::can::Time news = set - set_;
         if (news > kNoise || news < -kNoise) set_ = set;
-        return stamp - set_;
+        return last_ = std::max(last_, stamp - set_);
     }
     [[nodiscard]] antiskid::can::Time of(antiskid::can::Time monotonic) const { return monotonic + offset_; }
 
@@ -25,6 +28,7 @@ class StampLabel {
     static constexpr antiskid::can::Time kNoise{500'000};
     antiskid::can::Time offset_;
     antiskid::can::Time set_{};
+    antiskid::can::Time last_ = antiskid::can::Time::min();
 };
 
 }  // namespace rig::record

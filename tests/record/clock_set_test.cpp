@@ -73,3 +73,12 @@ TEST_CASE("a wall clock that is set, in any phase, forward or back, changes no f
         }
     }
 }
+
+TEST_CASE("stamps of a record do not go back where the clock was set and set back before anybody looked", "[BRG-200]") {
+    constexpr Time kOffset{1'436'000'000'000'000'000};
+    rig::record::StampLabel label(kOffset);
+    CHECK(label.of(1ms + kOffset, 1ms) == 1ms + kOffset);
+    CHECK(label.of(2ms + kOffset + 1h, 100ms) == 100ms + kOffset);  // all that is known: it came before it was read
+    CHECK(label.of(3ms + kOffset, 3ms) == 100ms + kOffset);
+    CHECK(label.of(101ms + kOffset, 101ms) == 101ms + kOffset);
+}
