@@ -1,4 +1,5 @@
-/// What config/regulation.toml asks of the regulation of wear: plan, rules, and the table of what references give on each surface; what is believed of lives, and prices.
+/// What config/regulation.toml asks of the regulation of wear: plan, rules, and the table of what references give on each surface; what is believed
+/// of lives, and prices.
 #pragma once
 
 #include <filesystem>

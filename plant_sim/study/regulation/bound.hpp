@@ -2,9 +2,9 @@
 /// with landings known in distribution only, and what a given choice loses against it.
 ///
 /// A pair lasts until its first limit. Then the shop is visited; what is left of the other part is thrown away in the same visit, or it goes on and
-/// needs a visit of its own, of which the part counts that this pair has used: whichever is less. Pairs follow pairs, so the cost a landing, g, is that
-/// with which the expected cost of a pair less g for each of its landings is 0 (Howard, Dynamic Programming and Markov Processes, 1960, for semi-Markov
-/// chains). Landings are alike at any time: their number is no part of the state. It is a bound for who knows what is left, where the regulator
+/// needs a visit of its own, of which the part counts that this pair has used: whichever is less. Pairs follow pairs, so the cost a landing, g, is
+/// that with which the expected cost of a pair less g for each of its landings is 0 (Howard, Dynamic Programming and Markov Processes, 1960, for
+/// semi-Markov chains). Landings are alike at any time: their number is no part of the state. It is a bound for who knows what is left, where the regulator
 /// estimates it, and who may move the reference by any step.
 #pragma once
 
@@ -41,8 +41,7 @@ struct BoundProblem {
     Costs costs;
     std::vector<Pair> begins;  ///< of pairs, each as likely as any other
     bool told = true;          ///< the surface is known before the reference is chosen; else one reference must serve all, within all of `allowed`
-    /// Of the grid. 0: 1/400 of the greatest tyre, and the least that a landing takes of a brake, which none may be above. (100, 200, 400, 800 steps: 42.735,
-    /// 42.678, 42.660, 42.655 a landing with the shipped plan.)
+    /// Of the grid. 0: 1/400 of the greatest tyre, and the least that a landing takes of a brake, which none may be above.
     double tyre_step_J = 0.0, brake_step_J = 0.0;
 };
 
