@@ -4,8 +4,8 @@
 /// A pair lasts until its first limit. Then the shop is visited; what is left of the other part is thrown away in the same visit, or it goes on and
 /// needs a visit of its own, of which the part counts that this pair has used: whichever is less. Pairs follow pairs, so the cost a landing, g, is
 /// that with which the expected cost of a pair less g for each of its landings is 0 (Howard, Dynamic Programming and Markov Processes, 1960, for
-/// semi-Markov chains). Landings are alike at any time: their number is no part of the state. It is a bound for who knows what is left, where the regulator
-/// estimates it, and who may move the reference by any step.
+/// semi-Markov chains). Landings are alike at any time: their number is no part of the state. It is a bound for who knows what is left, where the
+/// regulator estimates it, and who may move the reference by any step.
 #pragma once
 
 #include <cstddef>
