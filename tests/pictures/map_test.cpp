@@ -63,10 +63,11 @@ TEST_CASE("a map of a quantity has its lines, its colours' label and its points"
             .value_label = "height (m)",
             .value_range = {0.0, 2.0},
             .contour_step = 1.5};
-    for (std::size_t i = 0; i < kSide * kSide; ++i) {
-        const double x = static_cast<double>(i % kSide) / 10.0 - 1.0;
-        const double y = static_cast<double>(i / kSide) / 10.0 - 1.0;
-        map.values.push_back(x * x + y * y);
+    for (std::size_t row = 0; row < kSide; ++row) {
+        for (std::size_t column = 0; column < kSide; ++column) {
+            const double x = static_cast<double>(column) / 10.0 - 1.0, y = static_cast<double>(row) / 10.0 - 1.0;
+            map.values.push_back(x * x + y * y);
+        }
     }
     const std::string line = "stroke='rgb( 68,  68,  68)'";  // of contours
     const std::string few = svg_of(map);
