@@ -93,6 +93,10 @@ void* operator new(std::size_t size) {
         if (void* const got = std::malloc(size == 0 ? 1 : size)) return got;
     throw std::bad_alloc();
 }
+/// A sanitizer's own would not come here.
+void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
+    return fails() ? nullptr : std::malloc(size == 0 ? 1 : size);
+}
 void operator delete(void* pointer) noexcept {
     std::free(pointer);
 }
