@@ -41,8 +41,8 @@ void BrakeOptions::add_to(CLI::App& app) {
     app.add_option("--brake", brake, "mean friction as [brake.wear] says: new, worn (at the end of its life), or what it has taken so far in MJ")
         ->check(CLI::Validator(check_brake, ""))
         ->type_name("new|worn|MJ");
-    app.add_option("--brake-state", state, "the brake from one run to the next: read at the start where it is there, written after each maneuver")
-        ->type_name("FILE");
+    settings::result_file(app.add_option("--brake-state", state,
+                                         "the brake from one run to the next: read at the start where it is there, written after each maneuver"));
     add_rule_options(app, rule);
     for (const char* option : {"--variance", "--component"})
         app.get_option(option)

@@ -34,7 +34,7 @@ LabVerb drive_verb(CLI::App& lab) {
         ->excludes(surface);
     settings::existing_file(verb->add_option("--input", drive->input, "CSV: time_s,pressure_Pa or time_s,current_mA, linear between rows"))
         ->required();
-    verb->add_option("--csv", drive->csv, "the motion; - for standard output")->type_name("FILE")->required();
+    settings::result_file(verb->add_option("--csv", drive->csv, "the motion; - for standard output"))->required();
     verb->add_option("--mass", drive->choice.mass_kg, "kg, instead of the maneuver's");
     verb->add_option("--speed", drive->choice.speed_mps, "m/s, instead of the maneuver's");
     verb->add_option("--mu-b", drive->choice.friction, "mean brake friction instead of a new brake's");

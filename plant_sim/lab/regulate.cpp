@@ -202,8 +202,8 @@ LabVerb regulate_verb(CLI::App& lab) {
     verb->add_flag("--by-table", command->by_table, "land by the table of surfaces, not in closed loop: hundreds of lives in seconds");
     verb->add_flag("!--no-floor-check", command->floor_check, "do not make every regulated landing again at both ends of the range");
     settings::existing_file(verb->add_option("--regulation", command->regulation_file, "plan and rules (default: CONFIG/regulation.toml)"));
-    verb->add_option("--characterise", command->characterised, "only measure what references give on each surface, and write that table to this file")
-        ->type_name("FILE");
+    settings::result_file(verb->add_option("--characterise", command->characterised,
+                                           "only measure what references give on each surface, and write that table to this file"));
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory for results.json, landings.csv, regulate.png");
     settings::add_config_directory(*verb, command->config);

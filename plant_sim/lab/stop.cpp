@@ -64,9 +64,9 @@ LabVerb stop_verb(CLI::App& lab) {
     stop->scenario.add_to(*verb);
     stop->scenario.brake.add_to(*verb);
     settings::add_json(*verb, stop->json, "result");
-    verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output")->type_name("FILE");
-    verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG), as SVG and data beside it, too")->type_name("FILE");
-    verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them")->type_name("FILE");
+    settings::result_file(verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output"));
+    settings::result_file(verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG), as SVG and data beside it, too"));
+    settings::result_file(verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them"));
     verb->footer(
         "Examples:\n"
         "  rig-lab stop --maneuver heavy --surface wet_asphalt --slip 0.24 --json -\n"

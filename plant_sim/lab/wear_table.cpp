@@ -60,7 +60,7 @@ LabVerb wear_table_verb(CLI::App& wear) {
         ->required();
     verb->add_option("--campaign", table->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, table->off);
-    verb->add_option("--csv", table->csv, "the table, exact; - for standard output instead")->type_name("FILE");
+    settings::result_file(verb->add_option("--csv", table->csv, "the table, exact; - for standard output instead"));
     settings::add_json(*verb, table->json_file, "the table");
     verb->footer("Examples:\n  rig-lab wear table out/endurance\n  rig-lab wear table measured.csv --csv -");
     return {verb, [table] { return table->run(); }};

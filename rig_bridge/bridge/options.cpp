@@ -104,7 +104,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     PlcOptions campaign_plc;
     CLI::App* const one = app.add_subcommand("maneuver", "one maneuver into a folder");
     add_rig_options(*one, maneuver.rig, maneuver_plc, "folder of this maneuver (default: out/SCENARIO-TIME)");
-    one->add_option("--picture", maneuver.picture, "speeds, slip and pressures (PNG); leaves trajectory.csv, too")->type_name("FILE");
+    settings::result_file(one->add_option("--picture", maneuver.picture, "speeds, slip and pressures (PNG); leaves trajectory.csv, too"));
     one->add_flag("!--no-cool-down", maneuver.cool_down, "do not wait until the brake is cold enough for the next maneuver");
     CLI::App* const many = app.add_subcommand("campaign", "many maneuvers unattended; the same command resumes");
     add_rig_options(*many, campaign.rig, campaign_plc, "folder of the campaign");

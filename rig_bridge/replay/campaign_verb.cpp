@@ -129,12 +129,11 @@ ReplayVerb campaign_verb(CLI::App& app) {
     settings::existing_file(verb->add_option("--ledger", c->ledger, "its ledger (default: campaign.sqlite beside the folder)"));
     settings::add_config_directory(*verb, c->config);
     settings::add_layout_files(*verb, c->dbc, c->binding);
-    verb->add_option("--csv", c->csv, "the table with every figure as CSV")->type_name("FILE");
+    settings::result_file(verb->add_option("--csv", c->csv, "the table with every figure as CSV"));
     settings::add_json(*verb, c->json, "the same");
-    verb->add_option("--rebuild", c->rebuilt,
-                     "write a new ledger from the folders, amendments of the old one with it; keep it beside the campaign's folder")
-        ->type_name("FILE");
-    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG), as SVG and data beside it, too")->type_name("FILE");
+    settings::result_file(verb->add_option(
+        "--rebuild", c->rebuilt, "write a new ledger from the folders, amendments of the old one with it; keep it beside the campaign's folder"));
+    settings::result_file(verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG), as SVG and data beside it, too"));
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"

@@ -131,10 +131,10 @@ ReplayVerb export_verb(CLI::App& app) {
     const auto c = std::make_shared<ExportCommand>();
     CLI::App* verb = app.add_subcommand("export", "A log's samples for other programs (CSV, MATLAB), or its frames as candump writes them.");
     settings::existing_file(verb->add_option("LOG", c->log, "bus log: candump, Vector ASC or BLF, PEAK TRC, plain or gzip"))->required();
-    verb->add_option("--csv", c->csv, "a row for each sample, time first, units in the names of the columns")->type_name("FILE");
-    verb->add_option("--mat", c->mat, "the same columns as variables, MATLAB v7.3")->type_name("FILE");
-    verb->add_option("--candump", c->candump, "the frames, candump format")->type_name("FILE");
-    verb->add_option("--parquet", c->parquet, "is not written here: says by which command pandas makes it of --csv")->type_name("FILE");
+    settings::result_file(verb->add_option("--csv", c->csv, "a row for each sample, time first, units in the names of the columns"));
+    settings::result_file(verb->add_option("--mat", c->mat, "the same columns as variables, MATLAB v7.3"));
+    settings::result_file(verb->add_option("--candump", c->candump, "the frames, candump format"));
+    settings::result_file(verb->add_option("--parquet", c->parquet, "is not written here: says by which command pandas makes it of --csv"));
     verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
     settings::existing_file(
         verb->add_option("--scenario", c->scenario, "teeth and radii: a file of config/scenarios (default: CONFIG/scenarios/heavy.toml)"));

@@ -11,9 +11,6 @@ import subprocess
 import sys
 import tempfile
 
-# Of FILE options those that are written; all others have to be there.
-WRITTEN = {"--json", "--csv", "--picture", "--trajectory", "--bus-log", "--rebuild", "--mat", "--candump", "--parquet", "--characterise",
-           "--brake-state", "--port-file"}
 TYPES = {"--config": "DIRECTORY", "--out": "DIRECTORY", "--controller": "FILE", "--json": "FILE", "--picture": "FILE", "--csv": "FILE", "--dbc": "FILE"}
 # What the help says of an option wherever it stands.
 MEANINGS = {"--config": "configuration files", "--json": "- for standard output instead of the table", "--picture": r"\(PNG\)",
@@ -88,7 +85,7 @@ def look(words):
         if choices := re.match(r" \{(.+?)\}", kind):
             refused([*words, option, "nonsense"], [option, "'nonsense'", choices.group(1)])
             expect(completed([*words, option]) == choices.group(1).split(","), f"{name} {option}: completion offers {completed([*words, option])}")
-        elif re.match(r" (FILE|DIRECTORY|PATH)\b", kind) and option not in WRITTEN | {"--out"}:
+        elif re.match(r" (FILE|DIRECTORY|PATH)\b", kind) and option != "--out":
             refused([*words, option, "nowhere/missing"], [option, "nowhere/missing"])
     positional = re.search(r"^Positionals:\n  (\w+) (FILE|DIRECTORY|PATH)", head, re.M)
     if positional:

@@ -105,6 +105,15 @@ CLI::Option* existing_path(CLI::Option* option) {
     return checked(option, "PATH", is_there, "");
 }
 
+CLI::Option* result_file(CLI::Option* option) {
+    const auto check = [](const std::string& text) {
+        const fs::path folder = fs::path(text).parent_path();
+        if (folder.empty() || is_folder(folder)) return std::string();
+        return printable(text) + ": there is no directory " + printable(folder.string()) + "; make it first";
+    };
+    return option->check(CLI::Validator(check, ""))->type_name("FILE");
+}
+
 CLI::Option* add_config_directory(CLI::App& app, fs::path& directory) {
     return existing_directory(app.add_option("--config", directory, "configuration files"))->capture_default_str();
 }
@@ -125,7 +134,7 @@ CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& de
 }
 
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what) {
-    return app.add_option("--json", where, what + " as JSON; - for standard output instead of the table")->type_name("FILE");
+    return result_file(app.add_option("--json", where, what + " as JSON; - for standard output instead of the table"));
 }
 
 void deliver(const std::string& where, std::string_view text) {

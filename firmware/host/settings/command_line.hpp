@@ -47,6 +47,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
 CLI::Option* existing_file(CLI::Option* option);
 CLI::Option* existing_directory(CLI::Option* option);
 CLI::Option* existing_path(CLI::Option* option);
+/// A file that is written, or replaced: its directory has to be there, so that a misspelt one is not made; status 2 before any work where it is not.
+CLI::Option* result_file(CLI::Option* option);
 
 /// `--config DIRECTORY`.
 CLI::Option* add_config_directory(CLI::App& app, std::filesystem::path& directory);
