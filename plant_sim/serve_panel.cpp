@@ -3,17 +3,17 @@
 #include <fmt/core.h>
 
 #include <cstddef>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/rig/quantities.hpp"
 
 namespace plant_sim {
 
 namespace {
 
-using nlohmann::ordered_json;
 using rig::panel::LiveSample;
 using rig::panel::Signal;
+using settings::Json;
 
 LiveSample sample_of(const plc::ServedRig& served, const ServeState& state) {
     const plant::Rig& plant = served.rig();
@@ -32,20 +32,19 @@ LiveSample sample_of(const plc::ServedRig& served, const ServeState& state) {
 }
 
 std::string text_of(const ServePanel::Facts& f) {
-    const ordered_json facts{
-        {"rig time", fmt::format("{:.1f} s", f.time_s)},           {"PLC", f.trip == plc::Trip::none ? "ready" : "tripped"},
-        {"controller", f.controller_heard ? "heard" : "silent"},   {"wheel", f.wheel_on_rim ? "on the rim" : "off the rim"},
-        {"touchdowns", fmt::format("{}", f.touchdowns)},           {"brake has taken", fmt::format("{:.3f} MJ", f.energy_J * 1e-6)},
-        {"mean friction", fmt::format("{:.4f}", f.mean_friction)}, {"periods late", fmt::format("{}", f.late)}};
-    ordered_json interlocks = ordered_json::object();
+    const Json facts{{"rig time", fmt::format("{:.1f} s", f.time_s)},           {"PLC", f.trip == plc::Trip::none ? "ready" : "tripped"},
+                     {"controller", f.controller_heard ? "heard" : "silent"},   {"wheel", f.wheel_on_rim ? "on the rim" : "off the rim"},
+                     {"touchdowns", fmt::format("{}", f.touchdowns)},           {"brake has taken", fmt::format("{:.3f} MJ", f.energy_J * 1e-6)},
+                     {"mean friction", fmt::format("{:.4f}", f.mean_friction)}, {"periods late", fmt::format("{}", f.late)}};
+    Json interlocks = Json::object();
     for (std::size_t i = 0; i < rig::kInterlockCount; ++i)
         interlocks[std::string(name(static_cast<rig::Interlock>(i)))] = (f.interlocks >> i & 1U) != 0;
-    ordered_json alarms = ordered_json::array();
+    Json alarms = Json::array();
     if (f.trip != plc::Trip::none)
         alarms.push_back({{"name", fmt::format("PLC tripped: {}", plc::name(f.trip))},
                           {"happened", "the drive is off, the sledge goes back"},
                           {"next", "the bridge resets it once every interlock is good"}});
-    return ordered_json{{"facts", facts}, {"interlocks", interlocks}, {"alarms", alarms}}.dump();
+    return Json{{"facts", facts}, {"interlocks", interlocks}, {"alarms", alarms}}.dump();
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 
 namespace antiskid::controller {
@@ -81,20 +81,20 @@ std::string table(const Report& report) {
 }
 
 std::string json(const Report& report) {
-    auto checks = nlohmann::ordered_json::array();
+    auto checks = settings::Json::array();
     for (const Check& check : report.checks) {
-        nlohmann::ordered_json entry{{"name", check.name},
-                                     {"verdict", name(check.verdict)},
-                                     {"measured", check.measured},
-                                     {"required", check.required},
-                                     {"remedy", check.remedy}};
+        settings::Json entry{{"name", check.name},
+                             {"verdict", name(check.verdict)},
+                             {"measured", check.measured},
+                             {"required", check.required},
+                             {"remedy", check.remedy}};
         for (const auto& [figure, value] : check.figures) entry["figures"][figure] = value;
         checks.push_back(std::move(entry));
     }
-    const nlohmann::ordered_json root{{"program", report.program},         {"version", ANTISKID_VERSION}, {"interface", report.interface},
-                                      {"config_hash", report.config_hash}, {"passed", passed(report)},    {"checks", checks}};
+    const settings::Json root{{"program", report.program},         {"version", ANTISKID_VERSION}, {"interface", report.interface},
+                              {"config_hash", report.config_hash}, {"passed", passed(report)},    {"checks", checks}};
     // A name or an error message out of a file need not be UTF-8.
-    return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    return settings::json_page(root);
 }
 
 int deliver(const Report& report, const std::string& json_place) {

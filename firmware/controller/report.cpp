@@ -5,12 +5,12 @@
 #include <array>
 #include <chrono>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "firmware/can/names.hpp"
 #include "firmware/can/roles.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 
 namespace antiskid::controller {
@@ -34,7 +34,7 @@ double in_us(const control::Time time) {
     return std::chrono::duration<double, std::micro>(time).count();
 }
 
-nlohmann::ordered_json as_json(const host::Histogram& histogram) {
+settings::Json as_json(const host::Histogram& histogram) {
     return {{"count", histogram.count()},
             {"min_ns", histogram.minimum().count()},
             {"mean_ns", histogram.mean_ns()},
@@ -46,14 +46,14 @@ nlohmann::ordered_json as_json(const host::Histogram& histogram) {
             {"max_ns", histogram.maximum().count()}};
 }
 
-nlohmann::ordered_json as_json(const can::MessageStats& stats) {
+settings::Json as_json(const can::MessageStats& stats) {
     return {{"accepted", stats.accepted},         {"lost", stats.lost},
             {"wrong_crc", stats.wrong_crc},       {"wrong_counter", stats.wrong_counter},
             {"wrong_length", stats.wrong_length}, {"wrong_value", stats.wrong_value}};
 }
 
-nlohmann::ordered_json faults_json(const host::LoopStatistics& loop) {
-    auto faults = nlohmann::ordered_json::array();
+settings::Json faults_json(const host::LoopStatistics& loop) {
+    auto faults = settings::Json::array();
     for (std::uint8_t number = 0; number < control::kFaultCount; ++number) {
         const auto fault = static_cast<control::Fault>(number);
         if (!loop.faults_seen.contains(fault)) continue;
@@ -62,8 +62,8 @@ nlohmann::ordered_json faults_json(const host::LoopStatistics& loop) {
     return faults;
 }
 
-nlohmann::ordered_json states_json(const host::LoopStatistics& loop) {
-    auto states = nlohmann::ordered_json::object();
+settings::Json states_json(const host::LoopStatistics& loop) {
+    auto states = settings::Json::object();
     for (std::uint8_t number = 0; number < control::kStateCount; ++number)
         states[std::string(can::name(static_cast<control::State>(number)))] = loop.steps_in_state[number];
     return states;
@@ -73,41 +73,41 @@ nlohmann::ordered_json states_json(const host::LoopStatistics& loop) {
 
 std::string json(const RunReport& report) {
     const host::LoopStatistics& loop = report.loop;
-    auto durations = nlohmann::ordered_json::object();
+    auto durations = settings::Json::object();
     for (const auto& [label, histogram] : histograms(loop)) durations[std::string(label)] = as_json(histogram);
-    auto messages = nlohmann::ordered_json::object();
+    auto messages = settings::Json::object();
     for (const can::Role role : can::kToController)
         if (report.layout[role].bound) messages[std::string(can::name(role))] = as_json(report.port.stats(role));
-    const nlohmann::ordered_json root{{"version", ANTISKID_VERSION},
-                                      {"config_hash", report.config_hash},
-                                      {"interface", report.interface},
-                                      {"clock", report.clock},
-                                      {"period_ns", report.period.count()},
-                                      {"steps", loop.steps},
-                                      {"overruns", loop.overruns},
-                                      {"missed_periods", loop.missed_periods},
-                                      {"unsynchronised_steps", loop.unsynchronised},
-                                      {"steps_by_timer", loop.by_timer},
-                                      {"records_lost", report.records_lost},
-                                      {"safe_commands_sent", loop.safe_commands_sent},
-                                      {"last_state", can::name(loop.last_state)},
-                                      {"steps_in_state", states_json(loop)},
-                                      {"faults", faults_json(loop)},
-                                      {"durations", durations},
-                                      {"link",
-                                       {{"outages", loop.link_outages},
-                                        {"up", report.link.up},
-                                        {"bus_off_events", report.link.bus_off_events},
-                                        {"error_frames", report.link.error_frames},
-                                        {"receive_dropped", report.link.receive_dropped},
-                                        {"transmit_dropped", report.link.transmit_dropped},
-                                        {"malformed", report.link.malformed},
-                                        {"unknown_ids", report.port.unknown_ids()},
-                                        {"frames_received", loop.frames_received},
-                                        {"frames_sent", loop.frames_sent},
-                                        {"frames_unsent", loop.frames_unsent},
-                                        {"full_drains", loop.full_drains}}},
-                                      {"messages", messages}};
+    const settings::Json root{{"version", ANTISKID_VERSION},
+                              {"config_hash", report.config_hash},
+                              {"interface", report.interface},
+                              {"clock", report.clock},
+                              {"period_ns", report.period.count()},
+                              {"steps", loop.steps},
+                              {"overruns", loop.overruns},
+                              {"missed_periods", loop.missed_periods},
+                              {"unsynchronised_steps", loop.unsynchronised},
+                              {"steps_by_timer", loop.by_timer},
+                              {"records_lost", report.records_lost},
+                              {"safe_commands_sent", loop.safe_commands_sent},
+                              {"last_state", can::name(loop.last_state)},
+                              {"steps_in_state", states_json(loop)},
+                              {"faults", faults_json(loop)},
+                              {"durations", durations},
+                              {"link",
+                               {{"outages", loop.link_outages},
+                                {"up", report.link.up},
+                                {"bus_off_events", report.link.bus_off_events},
+                                {"error_frames", report.link.error_frames},
+                                {"receive_dropped", report.link.receive_dropped},
+                                {"transmit_dropped", report.link.transmit_dropped},
+                                {"malformed", report.link.malformed},
+                                {"unknown_ids", report.port.unknown_ids()},
+                                {"frames_received", loop.frames_received},
+                                {"frames_sent", loop.frames_sent},
+                                {"frames_unsent", loop.frames_unsent},
+                                {"full_drains", loop.full_drains}}},
+                              {"messages", messages}};
     return root.dump(2) + "\n";
 }
 

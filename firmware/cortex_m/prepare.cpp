@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -25,6 +24,7 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/json.hpp"
 
 namespace {
 
@@ -122,7 +122,7 @@ int run(int argc, char** argv) {
         settings::write_file(out / log.stem().concat(".in"), streams.in);
         settings::write_file(out / log.stem().concat(".expected"), streams.expected);
     }
-    const nlohmann::json made_of{{"version", ANTISKID_VERSION}, {"config_hash", settings::hash(std::array{controller, dbc, binding})}};
+    const settings::Json made_of{{"version", ANTISKID_VERSION}, {"config_hash", settings::hash(std::array{controller, dbc, binding})}};
     fmt::print("{}\n", made_of.dump());
     return 0;
 }

@@ -10,11 +10,11 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "firmware/can/candump.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
@@ -103,14 +103,14 @@ int run(const fs::path& folder) {
     fmt::print("{:<42}{:>8.2f}\n", "log2asc, plain, to /dev/null", rate(theirs));
     fmt::print("{:<42}{:>8.2f}\n", "ratio to log2asc, plain", rate(ours) / rate(theirs));
     fmt::print("controller replay of one stop: {:.0f} times real time, {} of {} command frames differ\n", bench::median(factor), different, commands);
-    const nlohmann::ordered_json json{{"frames", frames},
-                                      {"plain_frames_per_s", rate(ours) * 1e6},
-                                      {"gzip_frames_per_s", rate(gzip) * 1e6},
-                                      {"log2asc_frames_per_s", rate(theirs) * 1e6},
-                                      {"ratio", rate(ours) / rate(theirs)},
-                                      {"controller_times_real_time", bench::median(factor)},
-                                      {"command_frames", commands},
-                                      {"command_frames_different", different}};
+    const settings::Json json{{"frames", frames},
+                              {"plain_frames_per_s", rate(ours) * 1e6},
+                              {"gzip_frames_per_s", rate(gzip) * 1e6},
+                              {"log2asc_frames_per_s", rate(theirs) * 1e6},
+                              {"ratio", rate(ours) / rate(theirs)},
+                              {"controller_times_real_time", bench::median(factor)},
+                              {"command_frames", commands},
+                              {"command_frames_different", different}};
     settings::write_file("out/bench/log.json", json.dump(2) + "\n");
     return different == 0 ? 0 : 1;
 }

@@ -12,7 +12,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -23,6 +22,7 @@
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/file_descriptor.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/percentiles.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
@@ -102,7 +102,7 @@ struct Variant {
     std::vector<Percentiles> woken_rounds{}, done_rounds{};
 };
 
-nlohmann::ordered_json json_of(const Percentiles& p) {
+settings::Json json_of(const Percentiles& p) {
     return {{"periods", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
 }
 
@@ -128,7 +128,7 @@ int run() {
     std::string refused;
     for (int round = 0; round < kRounds; ++round)
         for (Variant& variant : variants) run_once(rig, variant, refused);
-    nlohmann::ordered_json report{{"priority", refused.empty() ? "SCHED_FIFO" : refused}, {"rounds", kRounds}, {"version", ANTISKID_VERSION}};
+    settings::Json report{{"priority", refused.empty() ? "SCHED_FIFO" : refused}, {"rounds", kRounds}, {"version", ANTISKID_VERSION}};
     fmt::print("a served rig's period, us from its beginning, medians of {} rounds of {} periods{}{}\n", kRounds, kPeriods,
                refused.empty() ? "" : "; without priority: ", refused);
     fmt::print("{:18}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "woken p50", "p99.9", "end p50", "end p99", "end p99.9");

@@ -11,12 +11,12 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
@@ -246,7 +246,7 @@ void draw(const std::vector<Contestant>& all, double simulated_s, const std::fil
                    png);
 }
 
-nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int rounds, const std::filesystem::path& png) {
+settings::Json race(const std::vector<Case>& all, double output_s, int rounds, const std::filesystem::path& png) {
     std::vector<Contestant> them = contestants();
     double simulated_s = 0.0, reference_error = 0.0;
     for (const Case& c : all) {
@@ -273,11 +273,11 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
     fmt::print("{} runs, {:.0f} s simulated, speeds given out every {:g} ms, {} rounds; odeint at 1e-12 is within {:.0e} of the reference\n",
                all.size(), simulated_s, output_s * 1e3, rounds, reference_error);
     auto table = settings::TextTable::screen(":<26|:>17|ns per sim. ms:>16.1f|error v:>10.1e|error omega:>13.1e|odeint, at equal error:>25", "  ");
-    nlohmann::ordered_json json{{"output_s", output_s},
-                                {"runs", all.size()},
-                                {"simulated_s", simulated_s},
-                                {"rounds", rounds},
-                                {"odeint_1e-12_from_reference", reference_error}};
+    settings::Json json{{"output_s", output_s},
+                        {"runs", all.size()},
+                        {"simulated_s", simulated_s},
+                        {"rounds", rounds},
+                        {"odeint_1e-12_from_reference", reference_error}};
     for (const Contestant& one : them) {
         const double ns_per_ms = one.median_s() / simulated_s * 1e6;
         const double ratio = seconds_for(them, kOdeint, one.error_omega) / one.median_s();
@@ -288,7 +288,7 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
                                        {"ns_per_simulated_ms", ns_per_ms},
                                        {"error_v", one.error_v},
                                        {"error_omega", one.error_omega},
-                                       {"odeint_over_this_at_equal_error", compared ? nlohmann::ordered_json(ratio) : nlohmann::ordered_json()}});
+                                       {"odeint_over_this_at_equal_error", compared ? settings::Json(ratio) : settings::Json()}});
     }
     fmt::print("{}", table.text());
     draw(them, simulated_s, png);

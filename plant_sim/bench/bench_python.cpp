@@ -4,12 +4,12 @@
 #include <fmt/core.h>
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/run_many.hpp"
@@ -54,11 +54,11 @@ int run() {
     }
     fmt::print("{} stops, processor time: native {:.3f} s, from Python {:.3f} s; speed from Python over native {:.3f} (median of {})\n", kStops,
                bench::median(native), bench::median(python), bench::median(ratio), kRounds);
-    const nlohmann::ordered_json report{{"stops", kStops},
-                                        {"native_s", native},
-                                        {"python_s", python},
-                                        {"python_over_native_speed", bench::median(ratio)},
-                                        {"version", ANTISKID_VERSION}};
+    const settings::Json report{{"stops", kStops},
+                                {"native_s", native},
+                                {"python_s", python},
+                                {"python_over_native_speed", bench::median(ratio)},
+                                {"version", ANTISKID_VERSION}};
     settings::write_file("out/bench/python.json", report.dump(2) + "\n");
     return 0;
 }

@@ -9,13 +9,13 @@
 
 #include <chrono>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware/control/controller.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
@@ -61,7 +61,7 @@ std::optional<std::uint64_t> instructions_of(const auto& run) {
 }
 
 /// Single steps by the clock, less what the clock itself takes.
-nlohmann::ordered_json step_cost(const plant_sim::StopInputs& s) {
+settings::Json step_cost(const plant_sim::StopInputs& s) {
     plant::Rig rig(s.plant.rig, 1e-3, 1);
     const std::vector<Sensors> seen = bench::stop(rig, loop_of(s), true).seen;
     using Clock = std::chrono::steady_clock;
@@ -80,11 +80,11 @@ nlohmann::ordered_json step_cost(const plant_sim::StopInputs& s) {
         }
     }
     const double clock_ns = bench::median(empty);
-    nlohmann::ordered_json out{{"steps", ns.size()},
-                               {"median_ns", bench::median(ns) - clock_ns},
-                               {"p99_9_ns", bench::quantile(ns, 0.999) - clock_ns},
-                               {"clock_ns", clock_ns},
-                               {"checksum", sum}};
+    settings::Json out{{"steps", ns.size()},
+                       {"median_ns", bench::median(ns) - clock_ns},
+                       {"p99_9_ns", bench::quantile(ns, 0.999) - clock_ns},
+                       {"clock_ns", clock_ns},
+                       {"checksum", sum}};
     const auto instructions = instructions_of([&] {
         Controller controller(s.controller);
         for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -98,7 +98,7 @@ nlohmann::ordered_json step_cost(const plant_sim::StopInputs& s) {
 int run() {
     constexpr const char* kScenarios[][2] = {
         {"heavy", "dry_asphalt"}, {"light", "dry_cobblestone"}, {"medium_a", "wet_asphalt"}, {"medium_b", "wet_cobblestone"}, {"light", "snow"}};
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    settings::Json rows = settings::Json::array();
     fmt::print("{:<10}{:<18}{:>12}{:>14}{:>14}{:>9}{:>14}\n", "maneuver", "surface", "steps", "ours (x real)", "odeint (x real)", "ratio",
                "distances (m)");
     std::vector<double> all;
@@ -133,12 +133,12 @@ int run() {
                         {"ours_distance_m", a.distance_m},
                         {"odeint_distance_m", b.distance_m}});
     }
-    const nlohmann::ordered_json step = step_cost(scenario("heavy", "dry_asphalt"));
+    const settings::Json step = step_cost(scenario("heavy", "dry_asphalt"));
     fmt::print("median ratio {:.2f}\ncontroller.step: median {:.0f} ns, p99.9 {:.0f} ns, {}\n", bench::median(all), step["median_ns"].get<double>(),
                step["p99_9_ns"].get<double>(),
                step.contains("instructions_per_step") ? fmt::format("{:.0f} instructions", step["instructions_per_step"].get<double>())
                                                       : std::string("instructions not countable on this machine"));
-    const nlohmann::ordered_json json{{"stops", rows}, {"median_ratio", bench::median(all)}, {"controller_step", step}};
+    const settings::Json json{{"stops", rows}, {"median_ratio", bench::median(all)}, {"controller_step", step}};
     settings::write_file("out/bench/stop.json", json.dump(2) + "\n");
     return 0;
 }

@@ -9,10 +9,10 @@
 
 #include <atomic>
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
@@ -104,7 +104,7 @@ int run() {
         ratios.push_back(odeint.ns.back() / ours.ns.back());
     }
 
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    settings::Json rows = settings::Json::array();
     auto table = settings::TextTable::screen(":<28|periods:>12|ns per period:>16.0f|wall (s):>10.2f");
     for (const Engine* engine : {&ours, &alone, &odeint}) {
         const double ns = bench::median(engine->ns);
@@ -115,9 +115,8 @@ int run() {
     const double stops_4500_s = bench::median(ours.wall_s) * 4500.0 / static_cast<double>(kStops);
     fmt::print("{} of the sweep's {} stops, {} threads\n{}ratio to odeint {:.2f}; 4,500 stops at this pace {:.1f} s\n", kStops, plan.stops(), threads,
                table.text(), bench::median(ratios), stops_4500_s);
-    const nlohmann::ordered_json json{
-        {"stops", kStops},         {"threads", threads}, {"config_hash", plan.config_hash}, {"seed", plan.seed},
-        {"version", plan.version}, {"engines", rows},    {"ratio", bench::median(ratios)},  {"stops_4500_s", stops_4500_s}};
+    const settings::Json json{{"stops", kStops},         {"threads", threads}, {"config_hash", plan.config_hash}, {"seed", plan.seed},
+                              {"version", plan.version}, {"engines", rows},    {"ratio", bench::median(ratios)},  {"stops_4500_s", stops_4500_s}};
     settings::write_file("out/bench/sweep.json", json.dump(2) + "\n");
     return 0;
 }

@@ -4,7 +4,6 @@
 #include <sched.h>
 #include <sys/utsname.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <cstdio>
@@ -24,6 +23,7 @@
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/child.hpp"
 #include "plant_sim/bench/command.hpp"
@@ -55,10 +55,10 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::seconds kPatience{30};
 
-nlohmann::json read_json(const std::filesystem::path& path) {
+settings::Json read_json(const std::filesystem::path& path) {
     std::ifstream in(path);
     if (!in) throw std::runtime_error("cannot read " + path.string());
-    return nlohmann::json::parse(in);
+    return settings::Json::parse(in);
 }
 
 /// virtual-rig by the clock, and a socket that has seen its first frame.
@@ -81,7 +81,7 @@ class Traffic {
 };
 
 /// The controller's report.
-nlohmann::json run_controller(const Settings& s, const can::IdList& ids, const std::string& clock, WakeUpRound& round) {
+settings::Json run_controller(const Settings& s, const can::IdList& ids, const std::string& clock, WakeUpRound& round) {
     Traffic traffic(s, ids);
     traffic.close_socket();
     const auto report_path = std::filesystem::path(s.json).replace_extension(".controller.json");
@@ -94,14 +94,14 @@ nlohmann::json run_controller(const Settings& s, const can::IdList& ids, const s
     controller.stop();
     controller.expect_success();
     traffic.stop();
-    nlohmann::json report = read_json(report_path);
+    settings::Json report = read_json(report_path);
     std::filesystem::remove(report_path);
-    for (const nlohmann::json& fault : report.at("faults")) round.faults.push_back(fault.at("name").get<std::string>());
+    for (const settings::Json& fault : report.at("faults")) round.faults.push_back(fault.at("name").get<std::string>());
     return report;
 }
 
 void measure_controller(const Settings& s, const can::IdList& ids, WakeUpRound& round) {
-    const nlohmann::json by_timer = run_controller(s, ids, "timer", round);
+    const settings::Json by_timer = run_controller(s, ids, "timer", round);
     round.controller = from_report(by_timer, "latency");
     round.edge_by_timer = from_report(by_timer, "edge_to_command");
     round.frames_received = by_timer.at("link").at("frames_received").get<std::uint64_t>();
@@ -163,7 +163,7 @@ struct Results {
     std::vector<std::string> failures;  ///< why something was not measured
 };
 
-using Json = nlohmann::ordered_json;
+using settings::Json;
 
 Json as_json(const Percentiles& p) {
     return {{"count", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};

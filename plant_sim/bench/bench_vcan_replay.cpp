@@ -10,12 +10,12 @@
 #include <csignal>
 #include <exception>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <thread>
 
 #include "firmware/can/candump.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/child.hpp"
 #include "plant_sim/bench/percentiles.hpp"
@@ -98,7 +98,7 @@ std::vector<std::int64_t> lateness(const std::vector<Frame>& log, const std::vec
     return late;
 }
 
-nlohmann::ordered_json as_json(const Percentiles& p) {
+settings::Json as_json(const Percentiles& p) {
     return {{"count", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
 }
 
@@ -121,7 +121,7 @@ void run(const fs::path& folder) {
         }
     }
     auto table = settings::TextTable::screen("late against the log, us:<36|p50:>9.1f|p99:>9.1f|p99.9:>9.1f|max:>10.1f|count:>10");
-    nlohmann::ordered_json json{{"rounds", kRounds}};
+    settings::Json json{{"rounds", kRounds}};
     for (Player& player : players) {
         const Percentiles p = antiskid::bench::exact(player.late);
         table.add(player.name, p.p50_us, p.p99_us, p.p99_9_us, p.max_us, p.count);

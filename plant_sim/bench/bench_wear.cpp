@@ -14,12 +14,12 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "rig_bridge/wear/fit.hpp"
@@ -83,18 +83,18 @@ int run() {
     }
     const double per_point = std::log(c.deviation * mu.deviation);
     // Ours is relative to the log-likelihood of all points, scikit-learn's absolute to their mean: the same where it is 1 a point.
-    const nlohmann::json other =
-        nlohmann::json::parse(output_of(fmt::format("/usr/bin/python3 plant_sim/bench/sklearn_mixture.py {} {} {} {} {}", kPoints, settings.starts,
-                                                    settings.em.covariance_floor, settings.em.tolerance, settings.max_components)));
+    const settings::Json other =
+        settings::parse_json(output_of(fmt::format("/usr/bin/python3 plant_sim/bench/sklearn_mixture.py {} {} {} {} {}", kPoints, settings.starts,
+                                                   settings.em.covariance_floor, settings.em.tolerance, settings.max_components)));
 
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    settings::Json rows = settings::Json::array();
     double other_processor_s = 0.0;
     double other_wall_s = 0.0;
     double min_lead = 1e300;
     auto table = settings::TextTable::screen("components:>10|ours:>16.4f|scikit-learn:>16.4f|lead:>12.4f|scikit-learn (s):>20.2f");
     for (std::size_t i = 0; i < fit.orders.size(); ++i) {
         const double ours = fit.orders[i].log_likelihood + n * per_point;
-        const nlohmann::json& o = other.at("orders").at(i);
+        const settings::Json& o = other.at("orders").at(i);
         const auto theirs = o.at("log_likelihood").get<double>();
         other_processor_s += o.at("processor_s").get<double>();
         other_wall_s += o.at("seconds").get<double>();
@@ -111,15 +111,15 @@ int run() {
     fmt::print("processor time: ours {:.2f} s, scikit-learn {} {:.1f} s, ratio {:.1f}\n", processor_s, other.at("version").get<std::string>(),
                other_processor_s, other_processor_s / processor_s);
     fmt::print("wall: ours {:.2f} s, scikit-learn {:.1f} s, ratio {:.1f}\n", ours_wall_s, other_wall_s, other_wall_s / ours_wall_s);
-    const nlohmann::ordered_json json{{"orders", rows},
-                                      {"min_lead", min_lead},
-                                      {"ours_processor_s", processor_s},
-                                      {"sklearn_processor_s", other_processor_s},
-                                      {"processor_ratio", other_processor_s / processor_s},
-                                      {"ours_wall_s", ours_wall_s},
-                                      {"sklearn_wall_s", other_wall_s},
-                                      {"wall_ratio", other_wall_s / ours_wall_s},
-                                      {"sklearn_version", other.at("version")}};
+    const settings::Json json{{"orders", rows},
+                              {"min_lead", min_lead},
+                              {"ours_processor_s", processor_s},
+                              {"sklearn_processor_s", other_processor_s},
+                              {"processor_ratio", other_processor_s / processor_s},
+                              {"ours_wall_s", ours_wall_s},
+                              {"sklearn_wall_s", other_wall_s},
+                              {"wall_ratio", other_wall_s / ours_wall_s},
+                              {"sklearn_version", other.at("version")}};
     settings::write_file("out/bench/wear.json", json.dump(2) + "\n");
     return 0;
 }

@@ -30,8 +30,8 @@ Percentiles exact(std::vector<std::int64_t>& latencies_ns) {
     return {.count = count, .p50_us = at(0.5), .p99_us = at(0.99), .p99_9_us = at(0.999), .max_us = at(1.0)};
 }
 
-Percentiles from_report(const nlohmann::json& report, const std::string& duration) {
-    const nlohmann::json& figures = report.at("durations").at(duration);
+Percentiles from_report(const settings::Json& report, const std::string& duration) {
+    const settings::Json& figures = report.at("durations").at(duration);
     const auto us = [&](const char* key) { return figures.at(key).get<double>() * 1e-3; };
     return {.count = figures.at("count").get<std::uint64_t>(),
             .p50_us = us("p50_ns"),
@@ -40,8 +40,8 @@ Percentiles from_report(const nlohmann::json& report, const std::string& duratio
             .max_us = us("max_ns")};
 }
 
-Percentiles from_cyclictest(const nlohmann::json& result) {
-    const nlohmann::json& thread = result.at("thread").at("0");
+Percentiles from_cyclictest(const settings::Json& result) {
+    const settings::Json& thread = result.at("thread").at("0");
     std::map<std::uint64_t, std::uint64_t> counts;
     for (const auto& [bucket, number] : thread.at("histogram").items()) counts[std::stoull(bucket)] = number.get<std::uint64_t>();
     const auto count = thread.at("cycles").get<std::uint64_t>();

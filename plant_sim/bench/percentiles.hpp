@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "firmware/host/settings/json.hpp"
 
 namespace antiskid::bench {
 
@@ -22,11 +23,11 @@ struct Percentiles {
 [[nodiscard]] Percentiles exact(std::vector<std::int64_t>& latencies_ns);
 
 /// One of the `durations` of a report of antiskid-controller. Upper bounds of buckets 1/64 wide: 1 us at 64 to 128 us.
-[[nodiscard]] Percentiles from_report(const nlohmann::json& report, const std::string& duration);
+[[nodiscard]] Percentiles from_report(const settings::Json& report, const std::string& duration);
 
 /// The only thread of `cyclictest --json`. It cuts to whole microseconds, so these are upper bounds of buckets
 /// 1 us wide. What its histogram did not hold (its option -h) stands at the maximum.
-[[nodiscard]] Percentiles from_cyclictest(const nlohmann::json& result);
+[[nodiscard]] Percentiles from_cyclictest(const settings::Json& result);
 
 /// Each figure's median over the rounds, which must not be none; counts are added.
 [[nodiscard]] Percentiles median(const std::vector<Percentiles>& rounds);

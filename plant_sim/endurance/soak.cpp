@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/endurance/test_cell.hpp"
 
 namespace endurance {
@@ -109,9 +109,8 @@ std::vector<std::string> complaints(const SoakResult& result) {
 }
 
 std::string to_json(const SoakResult& result, const EnduranceSetup& setup, std::uint64_t seed) {
-    nlohmann::ordered_json json{
-        {"scenario", setup.scenario.name}, {"config_hash", setup.config_hash}, {"version", ANTISKID_VERSION},     {"seed", seed},
-        {"seconds", result.seconds},       {"landings", result.landings},      {"complaints", complaints(result)}};
+    settings::Json json{{"scenario", setup.scenario.name}, {"config_hash", setup.config_hash}, {"version", ANTISKID_VERSION},     {"seed", seed},
+                        {"seconds", result.seconds},       {"landings", result.landings},      {"complaints", complaints(result)}};
     for (const SoakSpan& span : result.spans) {
         json["spans"].push_back({{"landings", span.landings},
                                  {"length_m_mean", span.length_m_mean},

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/settings.hpp"
 
 namespace endurance {
@@ -58,18 +58,18 @@ std::string to_text(const TableThree& measured, const std::optional<TableThree>&
 
 std::string to_json(const CampaignFacts& facts, std::span<const rig::record::Summary> maneuvers, const std::optional<TableThree>& printed) {
     const TableThree measured = measured_table(maneuvers);
-    nlohmann::ordered_json quantities;
+    settings::Json quantities;
     for (std::size_t i = 0; i < kQuantities; ++i) {
-        nlohmann::ordered_json q{{"mean", measured[i].mean}, {"deviation", measured[i].deviation}};
+        settings::Json q{{"mean", measured[i].mean}, {"deviation", measured[i].deviation}};
         if (printed) {
             q["printed_mean"] = (*printed)[i].mean;
             q["printed_deviation"] = (*printed)[i].deviation;
         }
         quantities[kTableThree[i].key] = std::move(q);
     }
-    nlohmann::ordered_json json{{"scenario", facts.scenario},    {"seed", facts.seed},
-                                {"version", facts.version},      {"config_hash", facts.config_hash},
-                                {"maneuvers", maneuvers.size()}, {"quantities", std::move(quantities)}};
+    settings::Json json{{"scenario", facts.scenario},    {"seed", facts.seed},
+                        {"version", facts.version},      {"config_hash", facts.config_hash},
+                        {"maneuvers", maneuvers.size()}, {"quantities", std::move(quantities)}};
     if (!maneuvers.empty()) {
         json["cumulative_energy_J"] = maneuvers.back().cumulative_energy_J;
         json["first_mean_friction"] = maneuvers.front().figures.mean_friction;

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/stop_options.hpp"
@@ -55,7 +55,7 @@ struct CompareCommand {
             if (&law == &laws.front()) columns += "|longest lock (ms):.0f";
         }
         auto table = settings::TextTable::markdown(columns);
-        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        settings::Json rows = settings::Json::array();
         std::vector<double> sums(laws.size());
         std::size_t done = 0;
         for (rig::ManeuverChoice choice : roads) {
@@ -66,7 +66,7 @@ struct CompareCommand {
                     const study::StopReport report = stop(choice, laws[i]);
                     const study::StopFigures& f = report.figures;
                     sums[i] += f.j_mu / static_cast<double>(all);
-                    rows.push_back(nlohmann::ordered_json::parse(study::to_json(report)));
+                    rows.push_back(settings::parse_json(study::to_json(report)));
                     table.add(f.j_mu, f.stop_distance_m);
                     if (i == 0) table.add(f.longest_lock_s * 1e3);
                 }

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
@@ -16,7 +16,7 @@ namespace plant_sim::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using settings::Json;
 
 double at(const wear::Curve& curve, double x) {
     return curve[0] + x * (curve[1] + x * (curve[2] + x * curve[3]));
@@ -134,7 +134,7 @@ std::string to_json(const std::vector<ClassDynamics>& classes, const DynamicsHea
                     {"data_hash", head.data_hash},
                     {"classes", list}};
     // A path need not be UTF-8; JSON must.
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHead& head) {

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/lab/identify_pictures.hpp"
 #include "plant_sim/lab/recorded_run.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -167,8 +167,8 @@ struct IdentifyCommand {
             out / "config");
         say("validation");
         const std::optional<Validated> validation = validated(sources, layout, period_s);
-        nlohmann::ordered_json head{
-            {"runs", nlohmann::ordered_json::array()}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"seed", nullptr}};
+        settings::Json head{
+            {"runs", settings::Json::array()}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"seed", nullptr}};
         for (const fs::path& run : runs) head["runs"].push_back(run.string());
         print_table(json_file, "{}", identification::to_table(found));
         if (validation && validation->result.braked) {

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -39,11 +39,11 @@ struct TyreRow {
     Complex law_slowest;             ///< the fastest of Cell::law_slowest
 };
 
-using nlohmann::ordered_json;
+using settings::Json;
 
 constexpr double kPerHz = 2.0 * std::numbers::pi;
 
-ordered_json pole_json(Complex pole) {
+Json pole_json(Complex pole) {
     return {{"growth_per_s", pole.real()}, {"frequency_Hz", std::abs(pole.imag()) / kPerHz}};
 }
 
@@ -89,7 +89,7 @@ std::string to_table(const std::vector<TyreRow>& rows, const ReportHead& head) {
 }
 
 std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
-    ordered_json tyres = ordered_json::array();
+    Json tyres = Json::array();
     for (const TyreRow& row : rows)
         tyres.push_back({{"tyre", tyre_name(row.tyre)},
                          {"cells", row.cells},
@@ -99,17 +99,17 @@ std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
                          {"gain_margin", row.gain},
                          {"wheel_swings_up", row.excited},
                          {"wheel_swings_up_but_stable", row.excited_stable},
-                         {"fastest_swing", row.swing ? pole_json(*row.swing) : ordered_json()},
+                         {"fastest_swing", row.swing ? pole_json(*row.swing) : Json()},
                          {"slowest_of_law", pole_json(row.law_slowest)}});
-    const ordered_json json{{"study", "margins by tyre"},
-                            {"config_hash", head.config_hash},
-                            {"version", head.version},
-                            {"seed", nullptr},  // nothing is drawn
-                            {"slip_reference", head.options.slip_reference},
-                            {"low_speed_fall", head.options.low_speed_fall},
-                            {"required_phase_margin_deg", head.options.requirement.phase_deg},
-                            {"required_gain_margin_dB", head.options.requirement.gain_dB},
-                            {"tyres", std::move(tyres)}};
+    const Json json{{"study", "margins by tyre"},
+                    {"config_hash", head.config_hash},
+                    {"version", head.version},
+                    {"seed", nullptr},  // nothing is drawn
+                    {"slip_reference", head.options.slip_reference},
+                    {"low_speed_fall", head.options.low_speed_fall},
+                    {"required_phase_margin_deg", head.options.requirement.phase_deg},
+                    {"required_gain_margin_dB", head.options.requirement.gain_dB},
+                    {"tyres", std::move(tyres)}};
     return json.dump(2) + "\n";
 }
 

@@ -6,12 +6,12 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
 #include "firmware/control/types.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/identification/recording.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
@@ -30,22 +30,22 @@ namespace {
 
 namespace record = rig::record;
 namespace phase = identification::phase;
-using nlohmann::ordered_json;
 using rig::panel::Curves;
 using rig::panel::LiveSample;
 using rig::panel::Signal;
+using settings::Json;
 
-ordered_json known(double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+Json known(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-ordered_json to_json(const record::LedgerRow& row, const std::string& campaign) {
+Json to_json(const record::LedgerRow& row, const std::string& campaign) {
     const record::Summary& s = row.summary;
-    ordered_json run{
+    Json run{
         {"campaign", campaign},           {"number", row.attempt.number},
         {"attempt", row.attempt.attempt}, {"state", row.state == record::RowState::aborted ? "aborted: " + s.outcome : std::string(name(row.state))},
         {"started", s.started},           {"scenario", s.scenario}};
-    ordered_json& configuration = run["configuration"];
+    Json& configuration = run["configuration"];
     configuration = {{"scenario", s.scenario},
                      {"slip reference", known(row.slip_reference)},
                      {"seed", s.seed},
@@ -55,13 +55,13 @@ ordered_json to_json(const record::LedgerRow& row, const std::string& campaign) 
                      {"health", name(row.health.state)},
                      {"warnings", fmt::format("{}", fmt::join(s.warnings, "; "))}};
     for (const record::SpecimenField& field : record::kSpecimenFields) configuration[field.label] = s.specimen.*field.value;
-    run["figures"] = ordered_json::object();
+    run["figures"] = Json::object();
     if (row.has_figures)
         for (const record::FigureField& field : record::kFigureFields) {
             const std::string unit = *field.unit == '\0' ? "" : ", " + std::string(field.unit);
             run["figures"][field.label + unit] = known(s.figures.*field.value * field.scale);
         }
-    run["notes"] = ordered_json::array();
+    run["notes"] = Json::array();
     for (const record::Note& note : row.notes)
         run["notes"].push_back({{"field", note.field}, {"text", note.text}, {"who", note.who}, {"made", note.made}});
     return run;
@@ -123,10 +123,10 @@ PanelRecordings::PanelRecordings(std::filesystem::path folder, std::filesystem::
 }
 
 std::string PanelRecordings::runs() const {
-    ordered_json all{{"runs", ordered_json::array()}};
+    Json all{{"runs", Json::array()}};
     for (const record::Campaign& campaign : record::read_campaigns(ledger()))
         for (const record::LedgerRow& row : record::read_ledger(ledger(), campaign.name)) all["runs"].push_back(to_json(row, campaign.name));
-    return all.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+    return settings::json_line(all);
 }
 
 std::string PanelRecordings::run(const std::string& campaign, std::int64_t number, std::int64_t attempt) const {

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
 #include "firmware/can/names.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/panel/curves.hpp"
@@ -92,15 +92,15 @@ std::string PanelStops::stop(const Query& query) {
                                   curves.add(sample);
                               });
     const study::StopFigures& f = result.figures;
-    const nlohmann::ordered_json figures{{"stop distance, m", f.stop_distance_m},
-                                         {"time from brake-on, s", f.duration_s},
-                                         {"J_mu, eq. (16)", f.j_mu},
-                                         {"energy to the brake, MJ", f.energy_brake_J * 1e-6},
-                                         {"energy to the tyre, MJ", f.energy_tyre_J * 1e-6},
-                                         {"peak slip above drop-out", f.peak_slip},
-                                         {"longest lock above drop-out, ms", f.longest_lock_s * 1e3},
-                                         {"came to rest", result.came_to_rest ? "yes" : "NO"},
-                                         {"faults", fmt::format("{}", fmt::join(antiskid::can::fault_names(result.faults), " "))}};
+    const settings::Json figures{{"stop distance, m", f.stop_distance_m},
+                                 {"time from brake-on, s", f.duration_s},
+                                 {"J_mu, eq. (16)", f.j_mu},
+                                 {"energy to the brake, MJ", f.energy_brake_J * 1e-6},
+                                 {"energy to the tyre, MJ", f.energy_tyre_J * 1e-6},
+                                 {"peak slip above drop-out", f.peak_slip},
+                                 {"longest lock above drop-out, ms", f.longest_lock_s * 1e3},
+                                 {"came to rest", result.came_to_rest ? "yes" : "NO"},
+                                 {"faults", fmt::format("{}", fmt::join(antiskid::can::fault_names(result.faults), " "))}};
     return "{\"figures\":" + figures.dump() + ",\"columns\":" + curves.json() + "}";
 }
 

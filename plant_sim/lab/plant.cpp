@@ -3,12 +3,12 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware/controller/controller_setup.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
@@ -91,12 +91,12 @@ struct PlantCommand {
             fmt::print("{}", validation::to_text(v));
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
         }
-        const nlohmann::ordered_json head{{"log", log},
-                                          {"rig", on_rig.title},
-                                          {"version", ANTISKID_VERSION},
-                                          {"config_hash", settings::hash(on_rig.files)},
-                                          {"warnings", warnings.summary()}};
-        settings::deliver(json, to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+        const settings::Json head{{"log", log},
+                                  {"rig", on_rig.title},
+                                  {"version", ANTISKID_VERSION},
+                                  {"config_hash", settings::hash(on_rig.files)},
+                                  {"warnings", warnings.summary()}};
+        settings::deliver(json, to_json(v, settings::json_line(head)));
         if (!csv.empty()) settings::deliver(csv, to_csv(v));
         if (!picture.empty())
             validation::draw_validation(

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
@@ -38,7 +38,7 @@ std::string life_text(const Life& life, int number, const wear::WearPlan& plan) 
         life.brake_at_plan * 100.0, life.tyre_at_plan * 100.0, plan.landings, first_limit(life), life.first_landing, life.other_left * 100.0, what);
 }
 
-nlohmann::ordered_json life_json(const Life& life) {
+settings::Json life_json(const Life& life) {
     return {{"feasible", life.feasible},
             {"met", life.met},
             {"brought", life.brought},
@@ -118,62 +118,62 @@ std::string to_text(const RegulateReport& r) {
 }
 
 std::string to_json(const RegulateReport& r) {
-    nlohmann::ordered_json json{{"study", "regulate"},
-                                {"version", ANTISKID_VERSION},
-                                {"config_hash", r.config_hash},
-                                {"seed", r.options.seed},
-                                {"plan",
-                                 {{"landings", r.plan.landings},
-                                  {"brake_life_J", r.plan.brake_life_J},
-                                  {"brake_taken_J", r.plan.brake_taken_J},
-                                  {"tyre_life_J", r.plan.tyre_life_J},
-                                  {"tyre_taken_J", r.plan.tyre_taken_J},
-                                  {"landing_J", r.plan.landing_J},
-                                  {"landing_deviation_J", r.plan.landing_deviation_J},
-                                  {"tolerance", r.plan.tolerance}}},
-                                {"range", {{"lowest", r.range.lowest}, {"highest", r.range.highest}, {"j_mu_floor", r.rules.j_mu_floor}}},
-                                {"prediction",
-                                 {{"verdict", wear::name(r.limits.verdict)},
-                                  {"sentence", wear::sentence(r.limits, r.plan)},
-                                  {"required_share", r.limits.required_share},
-                                  {"min_share", r.limits.min_share},
-                                  {"max_share", r.limits.max_share},
-                                  {"brake_limit_landing", r.limits.brake.landing},
-                                  {"brake_limit_deviation", r.limits.brake.deviation},
-                                  {"tyre_limit_landing", r.limits.tyre.landing},
-                                  {"tyre_limit_deviation", r.limits.tyre.deviation},
-                                  {"probability", r.limits.probability}}},
-                                {"mix", r.options.mix == regulation::Mix::random ? "random" : "balanced"},
-                                {"missing", r.options.missing},
-                                {"life_deviation", r.options.brake_deviation},
-                                {"tyre_deviation", r.options.tyre_deviation},
-                                {"inspection_landings", r.options.inspection.landings},
-                                {"inspection_error", r.options.inspection.error},
-                                {"cost_bound", r.cost_bound},
-                                {"cost_untold", r.cost_untold},
-                                {"cost_unshared", r.cost_unshared},
-                                {"floor_checked", r.options.worst_stops},
-                                {"all_met", r.all_met()}};
-    auto policies = nlohmann::ordered_json::array();
+    settings::Json json{{"study", "regulate"},
+                        {"version", ANTISKID_VERSION},
+                        {"config_hash", r.config_hash},
+                        {"seed", r.options.seed},
+                        {"plan",
+                         {{"landings", r.plan.landings},
+                          {"brake_life_J", r.plan.brake_life_J},
+                          {"brake_taken_J", r.plan.brake_taken_J},
+                          {"tyre_life_J", r.plan.tyre_life_J},
+                          {"tyre_taken_J", r.plan.tyre_taken_J},
+                          {"landing_J", r.plan.landing_J},
+                          {"landing_deviation_J", r.plan.landing_deviation_J},
+                          {"tolerance", r.plan.tolerance}}},
+                        {"range", {{"lowest", r.range.lowest}, {"highest", r.range.highest}, {"j_mu_floor", r.rules.j_mu_floor}}},
+                        {"prediction",
+                         {{"verdict", wear::name(r.limits.verdict)},
+                          {"sentence", wear::sentence(r.limits, r.plan)},
+                          {"required_share", r.limits.required_share},
+                          {"min_share", r.limits.min_share},
+                          {"max_share", r.limits.max_share},
+                          {"brake_limit_landing", r.limits.brake.landing},
+                          {"brake_limit_deviation", r.limits.brake.deviation},
+                          {"tyre_limit_landing", r.limits.tyre.landing},
+                          {"tyre_limit_deviation", r.limits.tyre.deviation},
+                          {"probability", r.limits.probability}}},
+                        {"mix", r.options.mix == regulation::Mix::random ? "random" : "balanced"},
+                        {"missing", r.options.missing},
+                        {"life_deviation", r.options.brake_deviation},
+                        {"tyre_deviation", r.options.tyre_deviation},
+                        {"inspection_landings", r.options.inspection.landings},
+                        {"inspection_error", r.options.inspection.error},
+                        {"cost_bound", r.cost_bound},
+                        {"cost_untold", r.cost_untold},
+                        {"cost_unshared", r.cost_unshared},
+                        {"floor_checked", r.options.worst_stops},
+                        {"all_met", r.all_met()}};
+    auto policies = settings::Json::array();
     const std::vector<bool> possible = r.feasible();
     for (const PolicyLives& p : r.policies) {
         const Summary s = regulation::summary(p, possible, r.plan.tolerance);
-        nlohmann::ordered_json one{{"name", p.policy.name},
-                                   {"feasible", s.feasible},
-                                   {"met", s.met},
-                                   {"together", s.together},
-                                   {"first_limit_landing", s.first_landing},
-                                   {"other_left", s.other_left},
-                                   {"worst_other_left", s.worst_other_left},
-                                   {"brake_used_at_plan", s.brake_at_plan},
-                                   {"tyre_used_at_plan", s.tyre_at_plan},
-                                   {"cost", s.cost},
-                                   {"cost_above_bound", s.loss},
-                                   {"j_mu", s.j_mu},
-                                   {"min_j_mu", s.min_j_mu},
-                                   {"distance_m", s.distance_m}};
+        settings::Json one{{"name", p.policy.name},
+                           {"feasible", s.feasible},
+                           {"met", s.met},
+                           {"together", s.together},
+                           {"first_limit_landing", s.first_landing},
+                           {"other_left", s.other_left},
+                           {"worst_other_left", s.worst_other_left},
+                           {"brake_used_at_plan", s.brake_at_plan},
+                           {"tyre_used_at_plan", s.tyre_at_plan},
+                           {"cost", s.cost},
+                           {"cost_above_bound", s.loss},
+                           {"j_mu", s.j_mu},
+                           {"min_j_mu", s.min_j_mu},
+                           {"distance_m", s.distance_m}};
         if (p.policy.fixed) one["slip_reference"] = *p.policy.fixed;
-        auto lives = nlohmann::ordered_json::array();
+        auto lives = settings::Json::array();
         for (const Life& life : p.lives) lives.push_back(life_json(life));
         one["lives"] = std::move(lives);
         policies.push_back(std::move(one));

@@ -3,9 +3,9 @@
 
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -49,7 +49,7 @@ struct FailingCommand {
     [[nodiscard]] int run(Outcome sum, const Campaign& campaign) const {
         antiskid::host::StopSignals signals;
         settings::Progress progress(campaigns, 0, "campaigns");
-        nlohmann::ordered_json failed = nlohmann::ordered_json::array();
+        settings::Json failed = settings::Json::array();
         Sink sink;
         if (trace) sink = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
         std::int64_t done = 0;
@@ -61,7 +61,7 @@ struct FailingCommand {
             if (!trace) progress.show(done + 1);
         }
         if (!trace) progress.finish();
-        nlohmann::ordered_json result{{"failing", failing}, {"seed", seed}, {"campaigns", done}};
+        settings::Json result{{"failing", failing}, {"seed", seed}, {"campaigns", done}};
         print_table(json_file, "{} campaigns, seeds {} to {}: ", done, seed, seed + static_cast<std::uint64_t>(done) - 1);
         show(sum, result);
         result["failed"] = failed;
@@ -76,7 +76,7 @@ struct FailingCommand {
         return failed.empty() ? 0 : 1;
     }
 
-    void show(const simulation::CampaignOutcome& sum, nlohmann::ordered_json& result) const {
+    void show(const simulation::CampaignOutcome& sum, settings::Json& result) const {
         result["maneuvers"] = sum.maneuvers;
         result["starts"] = sum.starts;
         result["operations"] = sum.operations;
@@ -87,7 +87,7 @@ struct FailingCommand {
         for (std::size_t i = 0; i < sum.struck.size(); ++i) count(simulation::kDiskFaultNames.at(i), sum.struck.at(i), result["struck"]);
     }
 
-    void show(const simulation::CellOutcome& sum, nlohmann::ordered_json& result) const {
+    void show(const simulation::CellOutcome& sum, settings::Json& result) const {
         result["attempts"] = sum.attempts;
         result["finished"] = sum.finished;
         result["starts"] = sum.starts;
@@ -109,7 +109,7 @@ struct FailingCommand {
     }
 
     template <typename Count>
-    void count(std::string_view name, Count times, nlohmann::ordered_json& into) const {
+    void count(std::string_view name, Count times, settings::Json& into) const {
         print_table(json_file, "  {:18} {:8}\n", name, times);
         into[std::string(name)] = times;
     }

@@ -3,10 +3,10 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/identify_pictures.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -29,7 +29,7 @@ struct SurfacesCommand {
             choice.surface = name;
             surfaces.push_back(rig::load_rig(config, choice).rig.surface);
         }
-        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        settings::Json rows = settings::Json::array();
         auto table = settings::TextTable::screen("surface:<18|c1:>9.4f|c2:>10.3f|c3:>9.4f|peak_slip:>12.3f|peak_mu:>10.3f|mu_locked:>14.3f");
         for (const rig::Surface& s : surfaces) {
             const rig::Peak peak = rig::peak(s);
@@ -44,8 +44,7 @@ struct SurfacesCommand {
                             {"locked_mu", locked}});
         }
         const std::array<std::filesystem::path, 1> files{config / "surfaces.toml"};
-        const nlohmann::ordered_json json{
-            {"study", "surfaces"}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"surfaces", rows}};
+        const settings::Json json{{"study", "surfaces"}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"surfaces", rows}};
         keep_json(out / "results.json", json_file, json.dump(2) + "\n");
         if (pictures) draw_surfaces(surfaces, {}, out / "surfaces.png");
         print_table(json_file, "{}Written to {}: results.json{}\n", table.text(), out.string(), pictures ? " surfaces.png" : "");

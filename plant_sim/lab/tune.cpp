@@ -4,11 +4,11 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/tune_law.hpp"
@@ -23,19 +23,19 @@ namespace plant_sim::lab {
 namespace {
 
 namespace margins = study::margins;
-using nlohmann::ordered_json;
+using settings::Json;
 
-ordered_json to_json(const margins::WorstScore& w) {
+Json to_json(const margins::WorstScore& w) {
     return {{"score", w.value}, {"cells", w.counted}, {"unstable", w.unstable}, {"met", w.met}};
 }
 
 /// Where the reference, held at every speed, leaves no controller enough margin: a row for each scenario that has such cells.
-std::string infeasible_table(const margins::MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
+std::string infeasible_table(const margins::MarginsInput& input, const margins::StudyOptions& options, Json& rows) {
     constexpr int kSpeeds = 200;
     auto table = settings::TextTable::markdown(
         "surface|maneuver|infeasible at and below (m/s):.1f|unstable pole there (rad/s):.0f|largest PM (deg):.1f|largest gain range (dB):.1f|at "
         "drop-out: pole:.0f|PM:.1f|range:.1f");
-    rows = ordered_json::array();
+    rows = Json::array();
     const double period_s = static_cast<double>(input.scenarios.front().controller.period_s);
     for (const margins::StopConditions& s : input.cases) {
         const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
@@ -62,13 +62,13 @@ std::string infeasible_table(const margins::MarginsInput& input, const margins::
 }
 
 /// Where the shipped law has too little upward margin whatever its derivative gains and estimator: a row for each scenario.
-std::string creep_table(const margins::MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
+std::string creep_table(const margins::MarginsInput& input, const margins::StudyOptions& options, Json& rows) {
     constexpr int kSpeeds = 200;
     const antiskid::control::SlipConfig& law = input.scenarios.front().controller.slip;
     const auto k_p = static_cast<double>(law.k_p_per_s), k_answer = static_cast<double>(law.k_answer);
     auto table = settings::TextTable::markdown(
         "surface|maneuver|at and below (m/s):.1f|at drop-out: stable pole (rad/s):.0f|upward margin (dB):.1f|k_answer that would have it:.2f");
-    rows = ordered_json::array();
+    rows = Json::array();
     for (const margins::StopConditions& s : input.cases) {
         const auto pole = [&](double v) {
             const double slip = options.low_speed_fall ? margins::scheduled_slip(law, options.slip_reference, v) : options.slip_reference;
@@ -96,7 +96,7 @@ std::string creep_table(const margins::MarginsInput& input, const margins::Study
 
 /// The paper's PID, by its margins in all cells that are feasible at all.
 void tune_pid(const margins::MarginsInput& input, const margins::StudyOptions& options, const margins::SearchOptions& search,
-              const std::string& json_file, ordered_json& json) {
+              const std::string& json_file, Json& json) {
     const antiskid::control::Config& controller = input.scenarios.front().controller;
     const auto cells = margins::tuning_cells(input.cases, controller, options);
     const auto judged = [&](const std::vector<double>& x) {
@@ -160,18 +160,18 @@ struct TuneCommand {
         search.population = population.value_or(search.population);
         search.generations = generations.value_or(search.generations);
 
-        ordered_json json{{"study", "tune"},
-                          {"loop", loop},
-                          {"config_hash", input.config_hash},
-                          {"version", ANTISKID_VERSION},
-                          {"seed", search.seed},
-                          {"slip_reference", options.slip_reference}};
+        Json json{{"study", "tune"},
+                  {"loop", loop},
+                  {"config_hash", input.config_hash},
+                  {"version", ANTISKID_VERSION},
+                  {"seed", search.seed},
+                  {"slip_reference", options.slip_reference}};
         int status = 0;
         if (law)
             status = tune_law({scenario, options, search, check, out, write, json_file}, input, json);
         else
             tune_pid(input, options, search, json_file, json);
-        ordered_json infeasible, creeping;
+        Json infeasible, creeping;
         const std::string table = infeasible_table(input, options, infeasible);
         print_table(json_file, "\n{}\n{}", table, creep_table(input, options, creeping));
         json["infeasible_at_constant_slip"] = infeasible;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/settings.hpp"
 #include "firmware/host/settings/text_table.hpp"
@@ -25,7 +25,7 @@ namespace {
 
 namespace margins = study::margins;
 using antiskid::control::Config;
-using nlohmann::ordered_json;
+using settings::Json;
 
 struct Gain {
     std::string key;  ///< of [slip]
@@ -131,8 +131,8 @@ struct Judged {
     margins::StopsShown stops;
 };
 
-ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
-    ordered_json json;
+Json to_json(const Judged& j, const margins::TrialStops& trial) {
+    Json json;
     for (std::size_t i = 0; i < j.gains.size(); ++i) json[margins::gain_names()[i]] = j.gains[i];
     json["margins"] = {{"score", j.margins.value}, {"cells", j.margins.counted}, {"unstable", j.margins.unstable}, {"met", j.margins.met}};
     json["closed_loop"] = {
@@ -167,7 +167,7 @@ void print(const std::vector<Judged>& judged, const margins::TrialStops& trial, 
 
 }  // namespace
 
-int tune_law(const LawTuning& tuning, const margins::MarginsInput& input, ordered_json& json) {
+int tune_law(const LawTuning& tuning, const margins::MarginsInput& input, Json& json) {
     const Config& controller = input.scenarios.front().controller;
     const margins::LawSearch& law = input.settings.law;
     const margins::TrialStops trial = trial_stops(tuning.scenario, input);

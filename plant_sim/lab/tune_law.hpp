@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/margins/cells.hpp"
 #include "plant_sim/study/margins/margins_input.hpp"
 #include "plant_sim/study/margins/search.hpp"
@@ -23,6 +23,6 @@ struct LawTuning {
 };
 
 /// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked.
-[[nodiscard]] int tune_law(const LawTuning& tuning, const study::margins::MarginsInput& input, nlohmann::ordered_json& json);
+[[nodiscard]] int tune_law(const LawTuning& tuning, const study::margins::MarginsInput& input, settings::Json& json);
 
 }  // namespace plant_sim::lab

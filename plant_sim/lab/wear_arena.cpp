@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/wear/arena.hpp"
@@ -16,7 +16,7 @@ namespace plant_sim::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using settings::Json;
 using wear::arena::Scores;
 
 constexpr std::array kForecasters{wear::arena::Entrant::past_lives, wear::arena::Entrant::filter, wear::arena::Entrant::shipped,

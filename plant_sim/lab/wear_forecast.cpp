@@ -5,10 +5,10 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_options.hpp"
@@ -21,7 +21,7 @@ namespace plant_sim::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using settings::Json;
 
 std::string landings(const std::optional<int>& left) {
     return left ? fmt::format("{}", *left) : std::string("none within the horizon");

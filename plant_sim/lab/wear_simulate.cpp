@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/brake_options.hpp"
@@ -33,8 +33,8 @@ std::string table_of(const wear::Comparison& c) {
     return table.text();
 }
 
-nlohmann::ordered_json json_of(const wear::Comparison& c) {
-    nlohmann::ordered_json bands = nlohmann::ordered_json::array();
+settings::Json json_of(const wear::Comparison& c) {
+    settings::Json bands = settings::Json::array();
     for (const wear::EnergyBand& b : c.bands)
         bands.push_back({{"from_J", b.from_J},
                          {"to_J", b.to_J},
@@ -66,11 +66,11 @@ struct SimulateCommand {
                                   "--replay torque needs the columns brake_on_mps, mean_torque_Nm and mean_load_N, as a ledger has them");
         const bool by_torque = replay.empty() ? !recorded.brakings.empty() : replay == "torque";
         const wear::Model learnt = wear::read_model(model);
-        nlohmann::ordered_json json{{"source", recorded.source},
-                                    {"data_hash", wear::data_hash(recorded)},
-                                    {"maneuvers", recorded.points.size()},
-                                    {"learnt_from", wear::json_of({learnt.data.origin, 1})},
-                                    {"replay", by_torque ? "torque" : "energy"}};
+        settings::Json json{{"source", recorded.source},
+                            {"data_hash", wear::data_hash(recorded)},
+                            {"maneuvers", recorded.points.size()},
+                            {"learnt_from", wear::json_of({learnt.data.origin, 1})},
+                            {"replay", by_torque ? "torque" : "energy"}};
         std::vector<std::filesystem::path> files{model};
         const wear::Campaign simulated = by_torque ? through_plant(recorded, learnt, files, json) : wear::resimulated(recorded, learnt, rule, seed);
         const wear::Comparison c = wear::compare(recorded, simulated, learnt, rule);
@@ -95,7 +95,7 @@ struct SimulateCommand {
   private:
     /// Adds what it read to `files`, and what it found to `json`.
     [[nodiscard]] wear::Campaign through_plant(const wear::Campaign& recorded, const wear::Model& learnt, std::vector<std::filesystem::path>& files,
-                                               nlohmann::ordered_json& json) const {
+                                               settings::Json& json) const {
         rig::ManeuverChoice choice;
         choice.maneuver = maneuver;
         const rig::LoadedRig rig = rig::load_rig(config, choice);

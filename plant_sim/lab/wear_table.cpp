@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -14,12 +14,12 @@ namespace plant_sim::lab {
 namespace {
 
 std::string as_json(const wear::Campaign& data) {
-    auto rows = nlohmann::ordered_json::array();
+    auto rows = settings::Json::array();
     for (std::size_t i = 0; i < data.points.size(); ++i)
         rows.push_back({{"mean_friction", data.points[i].mean_friction},
                         {"brake_energy_J", wear::brake_energy_J(data, i)},  // null where it is unknown
                         {"cumulative_energy_J", data.points[i].c_e_J}});
-    const nlohmann::ordered_json table{
+    const settings::Json table{
         {"source", data.source}, {"data_hash", wear::data_hash(data)}, {"version", ANTISKID_VERSION}, {"maneuvers", std::move(rows)}};
     return table.dump(2) + "\n";
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_options.hpp"
@@ -17,7 +17,7 @@ namespace plant_sim::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using settings::Json;
 
 struct WatchCommand {
     std::filesystem::path source;

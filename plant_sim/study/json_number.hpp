@@ -2,18 +2,19 @@
 #pragma once
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
+
+#include "firmware/host/settings/json.hpp"
 
 namespace study {
 
 /// null where it is infinite or no number.
-[[nodiscard]] inline nlohmann::ordered_json or_null(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+[[nodiscard]] inline settings::Json or_null(double value) {
+    return std::isfinite(value) ? settings::Json(value) : settings::Json();
 }
 /// null where it was not measured.
-[[nodiscard]] inline nlohmann::ordered_json or_null(const std::optional<double>& value) {
-    return value ? or_null(*value) : nlohmann::ordered_json();
+[[nodiscard]] inline settings::Json or_null(const std::optional<double>& value) {
+    return value ? or_null(*value) : settings::Json();
 }
 
 }  // namespace study

@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "firmware/can/names.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/json_number.hpp"
 
 namespace study {
 
 std::string to_json(const StopReport& r) {
     const StopFigures& f = r.figures;
-    const nlohmann::ordered_json json{
+    const settings::Json json{
         {"maneuver", r.maneuver},
         {"surface", r.surface},
         {"law", r.law},

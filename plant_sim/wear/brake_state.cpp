@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
@@ -16,8 +16,8 @@ namespace wear {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using settings::Error;
+using settings::Json;
 
 std::string check_sum(const std::string& wear_hash, const BrakeState& s) {
     const std::string values = fmt::format("{} {} {} {}", wear_hash, s.seed, s.maneuvers, s.c_e_J);

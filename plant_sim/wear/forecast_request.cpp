@@ -13,7 +13,7 @@ namespace wear {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using settings::Json;
 using study::or_null;
 
 LandingMix landings_to_come(const ForecastRequest& request, ResolvedRequest& resolved, const Campaign& campaign) {

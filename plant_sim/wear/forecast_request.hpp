@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/wear/landing_mix.hpp"
 #include "rig_bridge/wear/forecast.hpp"
 #include "rig_bridge/wear/population_io.hpp"
@@ -40,13 +40,13 @@ struct ResolvedRequest {
 struct ForecastAnswer {
     Forecast forecast;
     LandingMix mix;
-    nlohmann::ordered_json json;  ///< of forecast.json
+    settings::Json json;  ///< of forecast.json
 };
 
 /// Throws std::invalid_argument or settings::Error for a request that cannot be, as configured_mix() and forecast() do.
 [[nodiscard]] ForecastAnswer answer(const ForecastRequest& request, ResolvedRequest resolved, const PopulationFile& by, const Campaign& campaign);
 
 /// What every file that comes of a population begins with.
-[[nodiscard]] nlohmann::ordered_json json_head(const ResolvedRequest& resolved, const PopulationFile& by);
+[[nodiscard]] settings::Json json_head(const ResolvedRequest& resolved, const PopulationFile& by);
 
 }  // namespace wear

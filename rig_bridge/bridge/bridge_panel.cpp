@@ -4,11 +4,11 @@
 
 #include <chrono>
 #include <csignal>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/record/specimen.hpp"
@@ -18,7 +18,7 @@ namespace rig::bridge {
 namespace {
 
 std::string said(const std::string& text) {
-    return nlohmann::json{{"said", text}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return settings::Json{{"said", text}}.dump(-1, ' ', false, settings::Json::error_handler_t::replace);
 }
 
 std::string pause(const std::filesystem::path& campaign, const std::string& why) {

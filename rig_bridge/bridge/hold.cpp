@@ -1,9 +1,9 @@
 #include "rig_bridge/bridge/hold.hpp"
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 
 namespace rig::bridge {
 
@@ -12,7 +12,7 @@ std::optional<Hold> read_hold(const std::filesystem::path& campaign) {
     std::error_code ignored;
     if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) return std::nullopt;
     std::ifstream in(file, std::ios::binary);
-    const auto json = nlohmann::json::parse(in, nullptr, false);
+    const auto json = settings::Json::parse(in, nullptr, false);
     const auto text = [&json](const char* key) {
         return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
     };
@@ -22,7 +22,7 @@ std::optional<Hold> read_hold(const std::filesystem::path& campaign) {
 }
 
 void write_hold(const std::filesystem::path& campaign, const Hold& hold) {
-    const nlohmann::ordered_json json{{"who", hold.who}, {"since", hold.since}, {"why", hold.why}};
+    const settings::Json json{{"who", hold.who}, {"since", hold.since}, {"why", hold.why}};
     settings::write_file(hold_file(campaign), json.dump(2) + "\n");
 }
 

@@ -2,9 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <nlohmann/json.hpp>
-
 #include "firmware/can/names.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/next_step.hpp"
 #include "rig_bridge/record/summary.hpp"
 
@@ -14,15 +13,15 @@ namespace {
 
 using antiskid::control::Fault;
 using antiskid::control::kFaultCount;
-using nlohmann::ordered_json;
 using panel::Signal;
+using settings::Json;
 
-ordered_json alarm(std::string_view name, std::string_view happened, std::string_view next) {
+Json alarm(std::string_view name, std::string_view happened, std::string_view next) {
     return {{"name", name}, {"happened", happened}, {"next", next}};
 }
 
-ordered_json alarms(const ViewModel& v, const Moment& m) {
-    ordered_json all = ordered_json::array();
+Json alarms(const ViewModel& v, const Moment& m) {
+    Json all = Json::array();
     if (v.record_lost) {
         all.push_back(alarm(record::kRecordLost, v.note, "make room, or give another disk; start again"));
     } else if (v.abort != Abort::none) {
@@ -62,7 +61,7 @@ panel::LiveSample live_sample(const Moment& m) {
 }
 
 std::string panel_state(const ViewModel& v, const Moment& m) {
-    ordered_json facts = ordered_json::object();
+    Json facts = Json::object();
     const auto fact = [&facts](const char* label, std::string_view text) {
         if (!text.empty()) facts[label] = text;
     };
@@ -80,14 +79,13 @@ std::string panel_state(const ViewModel& v, const Moment& m) {
     }
     fact("frames", fmt::format("{}, {} dropped", v.frames, v.dropped));
     fact("note", v.note);
-    ordered_json interlocks = ordered_json::object();
+    Json interlocks = Json::object();
     if (m.inputs.plc_fresh)
         interlocks = {{"emergency stop released", m.inputs.emergency_stop_clear},
                       {"guard closed", m.inputs.guard_closed},
                       {"hydraulics ready", m.inputs.hydraulics_ready},
                       {"drive healthy", m.inputs.drive_healthy}};
-    return ordered_json{{"facts", facts}, {"interlocks", interlocks}, {"alarms", alarms(v, m)}}.dump(-1, ' ', false,
-                                                                                                     ordered_json::error_handler_t::replace);
+    return Json{{"facts", facts}, {"interlocks", interlocks}, {"alarms", alarms(v, m)}}.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace rig::bridge

@@ -1,7 +1,6 @@
 #include "rig_bridge/bridge/status.hpp"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/view.hpp"
@@ -68,11 +68,11 @@ Looked look(const std::filesystem::path& ledger, const std::string& campaign) {
 }
 
 /// What the bridge left beside the ledger; null where the campaign is not regulated.
-nlohmann::ordered_json regulation_of(const std::filesystem::path& ledger, const std::string& campaign) {
+settings::Json regulation_of(const std::filesystem::path& ledger, const std::string& campaign) {
     std::ifstream in(regulation_file(ledger.parent_path(), campaign), std::ios::binary);
     if (!in) return nullptr;
-    auto json = nlohmann::ordered_json::parse(in, nullptr, false);
-    return json.is_object() && json.contains("line") && json["line"].is_string() ? json : nlohmann::ordered_json();
+    auto json = settings::Json::parse(in, nullptr, false);
+    return json.is_object() && json.contains("line") && json["line"].is_string() ? json : settings::Json();
 }
 
 std::string row_text(const record::LedgerRow& row, const char* state) {
@@ -137,37 +137,36 @@ std::string status_text(const std::filesystem::path& ledger) {
 }
 
 std::string status_json(const std::filesystem::path& ledger) {
-    nlohmann::ordered_json campaigns = nlohmann::ordered_json::array();
+    settings::Json campaigns = settings::Json::array();
     for (const record::Campaign& campaign : record::read_campaigns(ledger)) {
         const Looked looked = look(ledger, campaign.name);
         const std::vector<record::LedgerRow>& rows = looked.rows;
-        nlohmann::ordered_json one{{"name", campaign.name},       {"scenario", campaign.scenario},       {"seed", campaign.seed},
-                                   {"planned", campaign.planned}, {"config_hash", campaign.config_hash}, {"version", campaign.version}};
+        settings::Json one{{"name", campaign.name},       {"scenario", campaign.scenario},       {"seed", campaign.seed},
+                           {"planned", campaign.planned}, {"config_hash", campaign.config_hash}, {"version", campaign.version}};
         for (const record::SpecimenField& field : record::kSpecimenFields) one[field.key] = campaign.specimen.*field.value;
         const auto hold = read_hold(ledger.parent_path());
-        one["hold"] = hold ? nlohmann::ordered_json{{"who", hold->who}, {"since", hold->since}, {"why", hold->why}} : nlohmann::ordered_json(nullptr);
+        one["hold"] = hold ? settings::Json{{"who", hold->who}, {"since", hold->since}, {"why", hold->why}} : settings::Json(nullptr);
         for (const record::RowState state : {record::RowState::finished, record::RowState::aborted, record::RowState::unfinished})
             one[name(state)] = count(rows, state);
         const std::int64_t begun = count(rows, record::RowState::running);
         one[name(record::RowState::running)] = looked.held ? begun : 0;
         one[kLeft] = looked.held ? 0 : begun;
         one["cumulative_energy_J"] = looked.cumulative_energy_J();
-        auto list = nlohmann::ordered_json::array();
+        auto list = settings::Json::array();
         for (const record::LedgerRow& row : rows) {
-            nlohmann::ordered_json entry{{"number", row.attempt.number},   {"attempt", row.attempt.attempt},
-                                         {"state", looked.state(row)},     {"started", row.summary.started},
-                                         {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
+            settings::Json entry{{"number", row.attempt.number},   {"attempt", row.attempt.attempt},
+                                 {"state", looked.state(row)},     {"started", row.summary.started},
+                                 {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
             for (const record::FigureField& field : record::kFigureFields) entry[field.key] = row.summary.figures.*field.value;
             if (std::isfinite(row.slip_reference)) entry["slip_reference"] = row.slip_reference;
-            entry["out_of_tolerance"] =
-                row.summary.out_of_tolerance ? nlohmann::ordered_json(*row.summary.out_of_tolerance) : nlohmann::ordered_json(nullptr);
+            entry["out_of_tolerance"] = row.summary.out_of_tolerance ? settings::Json(*row.summary.out_of_tolerance) : settings::Json(nullptr);
             entry["warnings"] = row.summary.warnings;
             for (const record::SpecimenField& field : record::kSpecimenFields) entry[field.key] = row.summary.specimen.*field.value;
-            auto notes = nlohmann::ordered_json::array();
+            auto notes = settings::Json::array();
             for (const record::Note& n : row.notes) notes.push_back({{"field", n.field}, {"text", n.text}, {"who", n.who}, {"made", n.made}});
             entry["noted"] = std::move(notes);
             if (!row.amendments.empty()) {
-                auto amendments = nlohmann::ordered_json::array();
+                auto amendments = settings::Json::array();
                 for (const record::Amendment& a : row.amendments)
                     amendments.push_back({{"counted_J", a.counted_J}, {"who", a.who}, {"made", a.made}, {"why", a.why}});
                 entry["amendments"] = std::move(amendments);

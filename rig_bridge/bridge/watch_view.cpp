@@ -7,8 +7,8 @@
 #include <fmt/core.h>
 #include <cmath>
 #include <functional>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/view.hpp"
 
 namespace rig::bridge {
@@ -127,9 +127,8 @@ std::string watch_line(const Watched& w) {
 }
 
 std::string watch_json(const Watched& w) {
-    nlohmann::ordered_json json{
-        {"campaign", w.campaign}, {"scenario", w.scenario}, {"number", w.number}, {"finished", w.finished}, {"planned", w.planned}};
-    json["left_s"] = w.left_s ? nlohmann::ordered_json(*w.left_s) : nullptr;
+    settings::Json json{{"campaign", w.campaign}, {"scenario", w.scenario}, {"number", w.number}, {"finished", w.finished}, {"planned", w.planned}};
+    json["left_s"] = w.left_s ? settings::Json(*w.left_s) : nullptr;
     json["specimen"] = w.specimen;
     json["outcomes"] = w.outcomes;
     json["hold"] = w.hold;
@@ -138,7 +137,7 @@ std::string watch_json(const Watched& w) {
     json["bridge_heard"] = received(w.bridge);
     json["bus_up"] = w.bus_up;
     json["bus_error"] = w.bus_error;
-    json["phase"] = w.phase ? nlohmann::ordered_json(name(*w.phase)) : nullptr;
+    json["phase"] = w.phase ? settings::Json(name(*w.phase)) : nullptr;
     json["phase_s"] = w.phase_s;
     json["phase_begin_seen"] = w.phase_began;
     json["rim_mps"] = w.rim_mps;
@@ -156,7 +155,7 @@ std::string watch_json(const Watched& w) {
         json["road"] = {{"grip_N", static_cast<double>(w.road->grip_N)},
                         {"peak_slip", static_cast<double>(w.road->peak_slip)},
                         {"confidence", static_cast<double>(w.road->confidence)}};
-    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return settings::json_line(json);
 }
 
 void StripChart::add(const StripSample& sample) {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
 #include "rig_bridge/wear/limit_forecast.hpp"
 
@@ -17,7 +17,7 @@ namespace rig::bridge {
 
 namespace {
 
-using nlohmann::ordered_json;
+using settings::Json;
 
 double kinetic_J(const Scenario& scenario) {
     const rig::Plan& plan = scenario.mean;
@@ -102,24 +102,24 @@ std::string line(const wear::Regulator& r) {
 
 void write_regulation(const std::filesystem::path& file, const wear::Regulator& r) {
     const wear::LimitForecast o = wear::limit_forecast(r);
-    const ordered_json json{{"line", line(r)},
-                            {"prediction", wear::sentence(o, r.plan())},
-                            {"verdict", wear::name(o.verdict)},
-                            {"slip_reference", r.reference()},
-                            {"lowest_reference", r.range().lowest},
-                            {"highest_reference", r.range().highest},
-                            {"required_share", o.required_share},
-                            {"measured_share", r.measured_share()},
-                            {"brake_life_J", r.plan().brake_life_J},
-                            {"brake_left_J", r.brake_left_J()},
-                            {"tyre_left_J", r.tyre_left_J()},
-                            {"landings", r.landings()},
-                            {"planned_landing", r.plan().landings},
-                            {"brake_limit_landing", o.brake.landing},
-                            {"brake_limit_deviation", o.brake.deviation},
-                            {"tyre_limit_landing", o.tyre.landing},
-                            {"tyre_limit_deviation", o.tyre.deviation},
-                            {"missed", r.missed()}};
+    const Json json{{"line", line(r)},
+                    {"prediction", wear::sentence(o, r.plan())},
+                    {"verdict", wear::name(o.verdict)},
+                    {"slip_reference", r.reference()},
+                    {"lowest_reference", r.range().lowest},
+                    {"highest_reference", r.range().highest},
+                    {"required_share", o.required_share},
+                    {"measured_share", r.measured_share()},
+                    {"brake_life_J", r.plan().brake_life_J},
+                    {"brake_left_J", r.brake_left_J()},
+                    {"tyre_left_J", r.tyre_left_J()},
+                    {"landings", r.landings()},
+                    {"planned_landing", r.plan().landings},
+                    {"brake_limit_landing", o.brake.landing},
+                    {"brake_limit_deviation", o.brake.deviation},
+                    {"tyre_limit_landing", o.tyre.landing},
+                    {"tyre_limit_deviation", o.tyre.deviation},
+                    {"missed", r.missed()}};
     settings::write_file(file, json.dump(2) + "\n");
 }
 

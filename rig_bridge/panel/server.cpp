@@ -17,12 +17,12 @@
 #include <fstream>
 #include <iterator>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/panel/broadcast.hpp"
 #include "rig_bridge/panel/page.hpp"
 
@@ -111,7 +111,7 @@ void set_socket(int socket) {
 
 void refuse(httplib::Response& response, int status, const std::string& why) {
     response.status = status;
-    response.set_content(nlohmann::json{{"error", why}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), "application/json");
+    response.set_content(settings::Json{{"error", why}}.dump(-1, ' ', false, settings::Json::error_handler_t::replace), "application/json");
 }
 
 void answer(const Handler& handler, const httplib::Request& request, httplib::Response& response) {

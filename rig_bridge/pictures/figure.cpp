@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 #include "rig_bridge/pictures/series_text.hpp"
 
@@ -122,8 +122,8 @@ std::string range_json(const std::optional<Range>& range) {
     return range ? array_text({(*range)[0], (*range)[1]}) : "null";
 }
 
-std::string json_text(const nlohmann::json& text) {
-    return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+std::string json_text(const settings::Json& text) {
+    return settings::json_line(text);
 }
 
 /// Numbers by hand: six digits are a third of what the library would write. A series whose x is that of an earlier one has its place instead.

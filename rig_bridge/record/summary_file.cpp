@@ -3,17 +3,17 @@
 #include <fmt/format.h>
 
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 
 namespace rig::record {
 
-using nlohmann::ordered_json;
+using settings::Json;
 
 namespace {
 
@@ -22,21 +22,21 @@ constexpr std::string_view kFormat = "antiskid maneuver summary 1";
 class Reader {
   public:
     Reader(const std::filesystem::path& path, const settings::Storage& storage) : path_(path.string()) {
-        root_ = ordered_json::parse(settings::read_file(path, settings::kMaxSettings, storage), nullptr, false);
+        root_ = Json::parse(settings::read_file(path, settings::kMaxSettings, storage), nullptr, false);
         if (root_.is_discarded() || !root_.is_object()) throw settings::Error(path_, 0, "", "is no whole JSON object: expected a maneuver's summary");
     }
 
-    std::string text(const char* key) { return get(key, &ordered_json::is_string, "a text").get<std::string>(); }
-    bool flag(const char* key) { return get(key, &ordered_json::is_boolean, "true or false").get<bool>(); }
+    std::string text(const char* key) { return get(key, &Json::is_string, "a text").get<std::string>(); }
+    bool flag(const char* key) { return get(key, &Json::is_boolean, "true or false").get<bool>(); }
     double real(const char* key) {
-        const ordered_json& value = find(key);
+        const Json& value = find(key);
         if (value.is_null()) return std::numeric_limits<double>::quiet_NaN();
         if (!value.is_number()) wrong(key, "a number");
         return value.get<double>();
     }
     template <typename T>
     T whole(const char* key) {
-        const ordered_json& value = find(key);
+        const Json& value = find(key);
         if (!value.is_number_unsigned()) wrong(key, "a whole number, 0 or more");
         const auto unsigned_value = value.get<std::uint64_t>();
         if (unsigned_value > static_cast<std::uint64_t>(std::numeric_limits<T>::max())) wrong(key, "a smaller number");
@@ -44,7 +44,7 @@ class Reader {
     }
     std::vector<std::string> texts(const char* key) {
         std::vector<std::string> all;
-        for (const ordered_json& item : get(key, &ordered_json::is_array, "a list of texts")) {
+        for (const Json& item : get(key, &Json::is_array, "a list of texts")) {
             if (!item.is_string()) wrong(key, "a list of texts");
             all.push_back(item.get<std::string>());
         }
@@ -63,27 +63,27 @@ class Reader {
     [[noreturn]] void wrong(const char* key, const std::string& expected) const { throw settings::Error(path_, 0, key, "expected " + expected); }
 
   private:
-    const ordered_json& find(const char* key) {
+    const Json& find(const char* key) {
         known_.insert(key);
         const auto found = root_.find(key);
         if (found == root_.end()) throw settings::Error(path_, 0, key, "is missing");
         return *found;
     }
-    const ordered_json& get(const char* key, bool (ordered_json::*is)() const noexcept, const char* expected) {
-        const ordered_json& value = find(key);
+    const Json& get(const char* key, bool (Json::*is)() const noexcept, const char* expected) {
+        const Json& value = find(key);
         if (!(value.*is)()) wrong(key, expected);
         return value;
     }
 
     std::string path_;
-    ordered_json root_;
+    Json root_;
     std::set<std::string, std::less<>> known_;
 };
 
 }  // namespace
 
 void write_summary(const std::filesystem::path& path, const Summary& summary, const settings::Storage& storage) {
-    ordered_json json;
+    Json json;
     json["format"] = kFormat;
     json["campaign"] = summary.campaign;
     json["number"] = summary.number;
@@ -95,14 +95,14 @@ void write_summary(const std::filesystem::path& path, const Summary& summary, co
     json["standstill"] = summary.figures.standstill;
     json["cumulative_energy_J"] = summary.cumulative_energy_J;
     json["faults"] = summary.faults;
-    json["out_of_tolerance"] = summary.out_of_tolerance ? ordered_json(*summary.out_of_tolerance) : ordered_json(nullptr);
+    json["out_of_tolerance"] = summary.out_of_tolerance ? Json(*summary.out_of_tolerance) : Json(nullptr);
     json["warnings"] = summary.warnings;
     json["frames"] = summary.frames;
     json["frames_dropped"] = summary.frames_dropped;
     json["seed"] = summary.seed;
     json["version"] = summary.version;
     json["config_hash"] = summary.config_hash;
-    settings::write_file(path, json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n", storage);
+    settings::write_file(path, settings::json_page(json), storage);
 }
 
 Summary read_summary(const std::filesystem::path& path, const settings::Storage& storage) {

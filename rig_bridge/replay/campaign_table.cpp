@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "firmware/host/settings/csv_field.hpp"
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
@@ -255,13 +255,13 @@ std::string to_csv(const CampaignTable& table) {
 }
 
 std::string to_json(const CampaignTable& table, const std::string& campaign) {
-    auto rows = nlohmann::ordered_json::array();
+    auto rows = settings::Json::array();
     for (const CampaignRow& row : table.rows) {
-        nlohmann::ordered_json one{{"number", row.folder.number},
-                                   {"attempt", row.folder.attempt},
-                                   {"outcome", row.summary.outcome},
-                                   {"counted", row.counted},
-                                   {"cumulative_energy_J", row.summary.cumulative_energy_J}};
+        settings::Json one{{"number", row.folder.number},
+                           {"attempt", row.folder.attempt},
+                           {"outcome", row.summary.outcome},
+                           {"counted", row.counted},
+                           {"cumulative_energy_J", row.summary.cumulative_energy_J}};
         if (row.counted)
             for (const record::FigureField& field : record::kFigureFields) one[field.key] = row.summary.figures.*field.value;
         for (const record::SpecimenField& field : record::kSpecimenFields) one[field.key] = row.specimen.*field.value;
@@ -270,14 +270,14 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
         one["differences"] = row.differences;
         rows.push_back(std::move(one));
     }
-    const nlohmann::ordered_json root{{"campaign", campaign},
-                                      {"version", ANTISKID_VERSION},
-                                      {"maneuvers", table.counted()},
-                                      {"different", table.different()},
-                                      {"with_ledger", table.with_ledger},
-                                      {"lines", table.lines},
-                                      {"rows", rows}};
-    return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    const settings::Json root{{"campaign", campaign},
+                              {"version", ANTISKID_VERSION},
+                              {"maneuvers", table.counted()},
+                              {"different", table.different()},
+                              {"with_ledger", table.with_ledger},
+                              {"lines", table.lines},
+                              {"rows", rows}};
+    return settings::json_page(root);
 }
 
 void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,

@@ -7,13 +7,13 @@
 #include <chrono>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "firmware/can/candump.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/control/controller.hpp"
 #include "firmware/host/control_loop.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 
 namespace rig::replay {
@@ -174,7 +174,7 @@ std::string to_text(const ControllerReplayReport& r, const antiskid::can::Layout
 }
 
 std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout& layout) {
-    auto messages = nlohmann::ordered_json::object();
+    auto messages = settings::Json::object();
     for (const Role role : antiskid::can::kToRig) {
         const FrameComparison::Count& c = r.count(role);
         messages[std::string(antiskid::can::name(role))] = {{"compared", c.compared},
@@ -183,22 +183,22 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
                                                             {"only_recorded", c.only_recorded},
                                                             {"only_replayed", c.only_replayed}};
     }
-    nlohmann::ordered_json root{{"log", r.log},
-                                {"version", ANTISKID_VERSION},
-                                {"config_hash", r.config_hash},
-                                {"clock", r.lockstep ? "sync" : "timer"},
-                                {"steps", r.steps},
-                                {"unsynchronised_steps", r.unsynchronised},
-                                {"unanswered_samples", r.unanswered},
-                                {"within_session", r.steps_before_log.value_or(1) != 0},
-                                {"messages", messages},
-                                {"first_difference", nullptr},
-                                {"largest_difference", nullptr},
-                                {"recorded_s", r.recorded_s},
-                                {"took_s", r.took_s},
-                                {"times_real_time", factor(r)},
-                                {"lines", r.lines},
-                                {"warnings", r.warnings}};
+    settings::Json root{{"log", r.log},
+                        {"version", ANTISKID_VERSION},
+                        {"config_hash", r.config_hash},
+                        {"clock", r.lockstep ? "sync" : "timer"},
+                        {"steps", r.steps},
+                        {"unsynchronised_steps", r.unsynchronised},
+                        {"unanswered_samples", r.unanswered},
+                        {"within_session", r.steps_before_log.value_or(1) != 0},
+                        {"messages", messages},
+                        {"first_difference", nullptr},
+                        {"largest_difference", nullptr},
+                        {"recorded_s", r.recorded_s},
+                        {"took_s", r.took_s},
+                        {"times_real_time", factor(r)},
+                        {"lines", r.lines},
+                        {"warnings", r.warnings}};
     if (r.first)
         root["first_difference"] = {{"line", r.first->line},
                                     {"time_s", seconds(*r.first)},
@@ -208,7 +208,7 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
     if (r.largest)
         root["largest_difference"] = {
             {"line", r.largest->line}, {"time_s", seconds(*r.largest)}, {"current_mA", current_difference_mA(*r.largest, layout)}};
-    return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    return settings::json_page(root);
 }
 
 }  // namespace rig::replay

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "rig_bridge/replay/measured_signals.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
@@ -39,7 +39,7 @@ struct ExportCommand {
         if (!parquet.empty()) throw UsageError(how_to_make_parquet());
         if (csv.empty() && mat.empty() && candump.empty()) throw UsageError("nothing to write: expected --csv, --mat or --candump");
         LogWarnings warnings = warnings_of(log);
-        nlohmann::ordered_json report{{"log", log}, {"version", ANTISKID_VERSION}};
+        settings::Json report{{"log", log}, {"version", ANTISKID_VERSION}};
         if (!csv.empty() || !mat.empty()) report["samples"] = write_samples(warnings);
         if (!candump.empty()) report["frames"] = write_frames(warnings);
         report["warnings"] = warnings.summary();
@@ -48,7 +48,7 @@ struct ExportCommand {
                 if (report.contains(unit)) fmt::print("{} {}\n", report[unit].get<std::uint64_t>(), unit);
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
         }
-        settings::deliver(json, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+        settings::deliver(json, settings::json_page(report));
         return 0;
     }
 

@@ -1,13 +1,13 @@
 #include <fmt/core.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "rig_bridge/record/specimen_options.hpp"
 #include "rig_bridge/replay/importer.hpp"
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string as_json(const ImportReport& report, const std::string& config_hash) {
-    auto maneuvers = nlohmann::ordered_json::array();
+    auto maneuvers = settings::Json::array();
     for (const ImportedManeuver& m : report.maneuvers)
         maneuvers.push_back({{"folder", m.folder.string()},
                              {"first_row", m.first_row},
@@ -31,9 +31,9 @@ std::string as_json(const ImportReport& report, const std::string& config_hash) 
                              {"duration_s", m.figures.duration_s},
                              {"energy_brake_J", m.figures.energy_brake_J},
                              {"mean_friction", m.figures.mean_friction}});
-    const nlohmann::ordered_json root{
+    const settings::Json root{
         {"rows", report.rows}, {"version", ANTISKID_VERSION}, {"config_hash", config_hash}, {"maneuvers", std::move(maneuvers)}};
-    return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    return settings::json_page(root);
 }
 
 struct ImportCommand {

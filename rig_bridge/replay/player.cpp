@@ -1,5 +1,6 @@
 #include "rig_bridge/replay/player.hpp"
 #include "firmware/host/seconds.hpp"
+#include "firmware/host/settings/json.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +9,6 @@
 #include <charconv>
 #include <chrono>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
@@ -131,21 +131,21 @@ std::string to_text(const PlayReport& r) {
 }
 
 std::string to_json(const PlayReport& r, const std::string& log, const std::string& interface) {
-    nlohmann::ordered_json late{{"count", r.late.count()}, {"min_ns", r.late.minimum().count()}, {"mean_ns", r.late.mean_ns()}};
+    settings::Json late{{"count", r.late.count()}, {"min_ns", r.late.minimum().count()}, {"mean_ns", r.late.mean_ns()}};
     for (const Percentile& p : kPercentiles) late[std::string(p.name) + "_ns"] = r.late.percentile(p.fraction).count();
     late["max_ns"] = r.late.maximum().count();
-    const nlohmann::ordered_json root{{"log", log},
-                                      {"interface", interface},
-                                      {"version", ANTISKID_VERSION},
-                                      {"frames_sent", r.sent},
-                                      {"frames_unsent", r.unsent},
-                                      {"frames_filtered", r.filtered},
-                                      {"error_frames", r.error_frames},
-                                      {"loops", r.loops},
-                                      {"stopped", r.stopped},
-                                      {"duration_s", seconds(r.duration)},
-                                      {"late", late}};
-    return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    const settings::Json root{{"log", log},
+                              {"interface", interface},
+                              {"version", ANTISKID_VERSION},
+                              {"frames_sent", r.sent},
+                              {"frames_unsent", r.unsent},
+                              {"frames_filtered", r.filtered},
+                              {"error_frames", r.error_frames},
+                              {"loops", r.loops},
+                              {"stopped", r.stopped},
+                              {"duration_s", seconds(r.duration)},
+                              {"late", late}};
+    return settings::json_page(root);
 }
 
 void IdFilter::add(std::string_view rule) {

@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/near_miss.hpp"
 #include "rig_bridge/wear/provenance.hpp"
 
@@ -20,12 +20,12 @@ namespace wear {
 /// An object of the file and where it stands; every key of it must be asked for.
 class JsonObject {
   public:
-    JsonObject(std::string file, std::string path, const nlohmann::ordered_json& json) : file_(std::move(file)), path_(std::move(path)), json_(json) {
+    JsonObject(std::string file, std::string path, const settings::Json& json) : file_(std::move(file)), path_(std::move(path)), json_(json) {
         if (!json_.is_object()) throw settings::Error(file_, 0, path_, "must be an object");
     }
 
     [[nodiscard]] bool has(const std::string& key) const { return json_.contains(key); }
-    [[nodiscard]] const nlohmann::ordered_json& get(const std::string& key) {
+    [[nodiscard]] const settings::Json& get(const std::string& key) {
         const auto at = json_.find(key);
         if (at == json_.end()) throw settings::Error(file_, 0, path_of(key), "is missing");
         ++asked_;
@@ -33,7 +33,7 @@ class JsonObject {
     }
     [[nodiscard]] JsonObject object(const std::string& key) { return {file_, path_of(key), get(key)}; }
     [[nodiscard]] std::vector<JsonObject> objects(const std::string& key) {
-        const nlohmann::ordered_json& list = get(key);
+        const settings::Json& list = get(key);
         if (!list.is_array() || list.empty()) throw settings::Error(file_, 0, path_of(key), "must be an array of objects, not empty");
         std::vector<JsonObject> out;
         out.reserve(list.size());
@@ -41,7 +41,7 @@ class JsonObject {
         return out;
     }
     [[nodiscard]] double number(const std::string& key) {
-        const nlohmann::ordered_json& value = get(key);
+        const settings::Json& value = get(key);
         if (!value.is_number() || !std::isfinite(value.get<double>())) throw settings::Error(file_, 0, path_of(key), "must be a finite number");
         return value.get<double>();
     }
@@ -51,13 +51,13 @@ class JsonObject {
         return value;
     }
     [[nodiscard]] std::uint64_t count(const std::string& key, std::uint64_t min = 0) {
-        const nlohmann::ordered_json& value = get(key);
+        const settings::Json& value = get(key);
         if (!value.is_number_unsigned() || value.get<std::uint64_t>() < min)
             throw settings::Error(file_, 0, path_of(key), fmt::format("must be an integer of at least {}", min));
         return value.get<std::uint64_t>();
     }
     [[nodiscard]] std::string text(const std::string& key) {
-        const nlohmann::ordered_json& value = get(key);
+        const settings::Json& value = get(key);
         if (!value.is_string()) throw settings::Error(file_, 0, path_of(key), "must be a string");
         return value.get<std::string>();
     }
@@ -86,18 +86,18 @@ class JsonObject {
 
     std::string file_;
     std::string path_;
-    const nlohmann::ordered_json& json_;
+    const settings::Json& json_;
     std::size_t asked_ = 0;
 };
 
-[[nodiscard]] inline nlohmann::ordered_json json_of(const Provenance& p) {
+[[nodiscard]] inline settings::Json json_of(const Provenance& p) {
     return {{"origin", p.origin}, {"lives", p.lives}};
 }
 
-[[nodiscard]] inline nlohmann::ordered_json parsed_json(const std::string& file, std::string_view text) {
+[[nodiscard]] inline settings::Json parsed_json(const std::string& file, std::string_view text) {
     try {
-        return nlohmann::ordered_json::parse(text);
-    } catch (const nlohmann::ordered_json::exception& e) {  // a number too large for a double is no parse_error
+        return settings::parse_json(text);
+    } catch (const settings::Json::exception& e) {  // a number too large for a double is no parse_error
         throw settings::Error(file, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
     }
 }

@@ -3,18 +3,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/wear/json_object.hpp"
 
 namespace wear {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using settings::Error;
+using settings::Json;
 using Reader = JsonObject;
 
 Model::Data data_of(Reader r, const std::string& file, bool says_origin) {
@@ -93,7 +93,7 @@ std::string to_json(const Model& m) {
         {"orders", orders},
         {"components", components}};
     // A path need not be UTF-8; JSON must.
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return settings::json_page(json);
 }
 
 Model from_json(const std::string& name, std::string_view text) {

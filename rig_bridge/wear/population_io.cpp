@@ -11,8 +11,8 @@ namespace wear {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using settings::Error;
+using settings::Json;
 using Reader = JsonObject;
 
 double share(Reader& r, const std::string& file, const char* key) {
@@ -73,7 +73,7 @@ std::string to_json(const Population& p) {
     Json models = Json::array();
     Json limits;
     for (std::size_t i = 0; i < kHealthTests.size(); ++i) limits[kHealthTestNames.at(i)] = p.limits.*kHealthTests.at(i);
-    for (const Model& model : p.models) models.push_back(Json::parse(to_json(model)));
+    for (const Model& model : p.models) models.push_back(settings::parse_json(to_json(model)));
     const Json json{
         {"format", kPopulationFormat},
         {"format_version", kPopulationFormatVersion},
@@ -93,7 +93,7 @@ std::string to_json(const Population& p) {
           {"filter", p.calibration.filter},
           {"widening", p.calibration.widening}}},
         {"models", models}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return settings::json_page(json);
 }
 
 Population population_from_json(const std::string& name, std::string_view text) {

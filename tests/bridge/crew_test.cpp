@@ -2,8 +2,8 @@
 
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/watch_view.hpp"
@@ -157,7 +157,7 @@ TEST_CASE("The watch's JSON is one line with null for what is not known", "[BRG-
     Watched w = watched_braking();
     const std::string text = watch_json(w);
     CHECK(text.find('\n') == std::string::npos);
-    auto json = nlohmann::json::parse(text);
+    auto json = settings::parse_json(text);
     CHECK(json["phase"] == "braking");
     CHECK(json["bridge_heard"] == true);
     CHECK(json["road"]["grip_N"] == 12300.0);
@@ -167,7 +167,7 @@ TEST_CASE("The watch's JSON is one line with null for what is not known", "[BRG-
     w.phase.reset();
     w.road.reset();
     w.left_s.reset();
-    json = nlohmann::json::parse(watch_json(w));
+    json = settings::parse_json(watch_json(w));
     for (const char* const key : {"rim_mps", "phase", "road", "left_s"}) CHECK(json[key].is_null());
 }
 

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <csignal>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/landings_left.hpp"
 #include "rig_bridge/bridge/panel_state.hpp"
@@ -39,8 +39,8 @@ Moment moment() {
     return m;
 }
 
-nlohmann::json state_of(const Moment& m) {
-    return nlohmann::json::parse(panel_state(view_of(m, {}), m));
+settings::Json state_of(const Moment& m) {
+    return settings::parse_json(panel_state(view_of(m, {}), m));
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ TEST_CASE("interlocks, and what is wrong with what to do", "[BRG-522]") {
     ViewModel view = view_of(m, {});
     view.record_lost = true;
     view.note = "disk full";
-    CHECK(nlohmann::json::parse(panel_state(view, m))["alarms"][0]["happened"] == "disk full");
+    CHECK(settings::parse_json(panel_state(view, m))["alarms"][0]["happened"] == "disk full");
     m.inputs.plc_fresh = false;
     CHECK(state_of(m)["interlocks"].empty());
 }
@@ -86,7 +86,7 @@ TEST_CASE("campaign and landings left are among the facts", "[BRG-522]") {
     const Moment m = moment();
     ViewModel view = view_of(m, {});
     view.campaign = CampaignView{.number = 3, .finished = 2, .planned = 500, .left_s = 3700.0, .health = "healthy", .landings_left = "132"};
-    const auto facts = nlohmann::json::parse(panel_state(view, m))["facts"];
+    const auto facts = settings::parse_json(panel_state(view, m))["facts"];
     CHECK(facts["campaign"] == "maneuver 3, 2 of 500 finished");
     CHECK(facts["brake's health"] == "healthy");
     CHECK(facts["landings left"] == "132");

@@ -1,8 +1,8 @@
 #include "rig_bridge/bridge/status.hpp"
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "tests/can/layouts.hpp"
@@ -30,7 +30,7 @@ struct Begun {
         }
         static_cast<void>(ledger->begin(3, "t2"));
     }
-    [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(rig::bridge::status_json(path))[0]; }
+    [[nodiscard]] settings::Json json() const { return settings::parse_json(rig::bridge::status_json(path))[0]; }
 
     TempDir dir;
     std::filesystem::path path = dir.write("x", "").parent_path() / "campaign.sqlite";

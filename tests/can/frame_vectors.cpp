@@ -5,18 +5,17 @@
 #include <random>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/observer.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "tests/can/layouts.hpp"
 
 using namespace antiskid;
 using namespace antiskid::can;
 using control::Time;
-using nlohmann::json;
+using settings::Json;
 
 namespace {
 
@@ -45,17 +44,17 @@ class Writer {
         maneuver();
         const Frame rig_heartbeat = rig_.heartbeat();
         port_.accept(rig_heartbeat);
-        write(Role::rig_heartbeat, rig_heartbeat, json::object(), json::object());
-        write(Role::emergency_stop, rig_.emergency_stop(), json::object(), json::object());
+        write(Role::rig_heartbeat, rig_heartbeat, Json::object(), Json::object());
+        write(Role::emergency_stop, rig_.emergency_stop(), Json::object(), Json::object());
         const unsigned number = below(0xFFFF'FFFFU);
         const Frame sync = rig_.sync(number);
         port_.accept(sync);
         write(Role::sync, sync, {{"number", number}}, {{"number", port_.sync_number()}});
         if (layout_[Role::load_cells].bound) {
-            const json sent{{"vertical", between(0.0F, 5e4F)}, {"longitudinal", between(-6e4F, 6e4F)}, {"brake_torque", between(-3e4F, 3e4F)}};
+            const Json sent{{"vertical", between(0.0F, 5e4F)}, {"longitudinal", between(-6e4F, 6e4F)}, {"brake_torque", between(-3e4F, 3e4F)}};
             write(Role::load_cells,
                   rig_.load_cells({.vertical_N = sent["vertical"], .longitudinal_N = sent["longitudinal"], .brake_torque_Nm = sent["brake_torque"]}),
-                  sent, json::object());
+                  sent, Json::object());
         }
         if (layout_[Role::maneuver_state].bound) maneuver_state();
         command();
@@ -135,15 +134,15 @@ class Writer {
                {"slip_reference", command.slip_reference},
                {"speed", command.speed_mps}},
               {{"state", static_cast<int>(view.state)}, {"slip", view.slip}, {"slip_reference", view.slip_reference}, {"speed", view.speed_mps}});
-        json sent;
-        json read;
+        Json sent;
+        Json read;
         for (std::uint8_t i = 0; i < control::kFaultCount; ++i) {
             const std::string fault(kFaultNames[i]);
             sent[fault] = command.faults.contains(static_cast<control::Fault>(i)) ? 1 : 0;
             read[fault] = view.faults.contains(static_cast<control::Fault>(i)) ? 1 : 0;
         }
         write(Role::faults, faults, sent, read);
-        write(Role::controller_heartbeat, heartbeat, json::object(), json::object());
+        write(Role::controller_heartbeat, heartbeat, Json::object(), Json::object());
         if (!layout_[Role::road].bound) return;
         const control::RoadEstimate found{.peak_slip = static_cast<float>(below(5'000)) * 1e-4F,
                                           .grip_N = static_cast<float>(below(300'000)),
@@ -154,14 +153,14 @@ class Writer {
               {{"peak_slip", view.road.peak_slip}, {"grip", view.road.grip_N}, {"confidence", view.road.confidence}});
     }
 
-    void write(Role role, const Frame& frame, const json& sent, const json& read) {
+    void write(Role role, const Frame& frame, const Json& sent, const Json& read) {
         std::string hex;
         for (const std::uint8_t byte : frame.payload()) {
             constexpr std::string_view kDigits = "0123456789abcdef";
             hex += kDigits[byte / 16U];
             hex += kDigits[byte % 16U];
         }
-        const json line{{"layout", layout_name_}, {"role", std::string(name(role))}, {"id", frame.id}, {"data", hex}, {"sent", sent}, {"read", read}};
+        const Json line{{"layout", layout_name_}, {"role", std::string(name(role))}, {"id", frame.id}, {"data", hex}, {"sent", sent}, {"read", read}};
         std::puts(line.dump().c_str());
     }
 

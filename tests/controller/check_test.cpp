@@ -5,10 +5,10 @@
 
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "tests/controller/results.hpp"
 
 using namespace controller_test;
@@ -48,7 +48,7 @@ TEST_CASE("JSON has verdict, measured, required, remedy and figures, also of tex
     controller::Report report = sample();
     report.checks[0].figures = {{"max_us", 12.5}};
     report.checks[1].measured = "can\xff";
-    const auto read = nlohmann::json::parse(controller::json(report));
+    const auto read = settings::parse_json(controller::json(report));
     CHECK(read["passed"] == true);
     CHECK(read["config_hash"] == "abc");
     CHECK(read["checks"][0]["figures"]["max_us"] == 12.5);
@@ -61,7 +61,7 @@ TEST_CASE("JSON goes to a file; a place that cannot be written is an error", "[R
     const auto file = std::filesystem::temp_directory_path() / ("check_" + std::to_string(getpid()) + ".json");
     CHECK(controller::deliver(sample(), file.string()) == 0);
     std::ifstream in(file);
-    CHECK(nlohmann::json::parse(in)["program"] == "p");
+    CHECK(settings::Json::parse(in)["program"] == "p");
     std::filesystem::remove(file);
     CHECK_THROWS_AS(controller::deliver(sample(), "/proc/none/check.json"), settings::Error);
 }

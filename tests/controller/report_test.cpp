@@ -1,7 +1,6 @@
 #include "firmware/controller/report.hpp"
 
-#include <nlohmann/json.hpp>
-
+#include "firmware/host/settings/json.hpp"
 #include "tests/catch.hpp"
 #include "tests/host/loop_bench.hpp"
 
@@ -36,7 +35,7 @@ TEST_CASE("the report says what happened", "[RT-073]") {
         if (period == 500) bench.clock.advance(3500us);
         if (period == 600) bench.rig_end.send(bench.rig.emergency_stop());
     });
-    const auto json = nlohmann::json::parse(controller::json(report_of(bench)));
+    const auto json = settings::parse_json(controller::json(report_of(bench)));
     CHECK(json["version"] == ANTISKID_VERSION);
     CHECK(json["config_hash"].get<std::string>().size() == 32);
     CHECK(json["period_ns"] == 1'000'000);
@@ -67,7 +66,7 @@ TEST_CASE("a report of nothing is a report", "[RT-073]") {
     LoopBench bench(controller::ClockSource::sync);
     bench.stop = true;
     bench.run();
-    const auto json = nlohmann::json::parse(controller::json(report_of(bench)));
+    const auto json = settings::parse_json(controller::json(report_of(bench)));
     CHECK(json["steps"] == 0);
     CHECK(json["faults"].empty());
     CHECK_THAT(controller::table(report_of(bench)), ContainsSubstring("faults: none"));

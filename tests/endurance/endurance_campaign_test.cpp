@@ -2,8 +2,8 @@
 #include "plant_sim/endurance/endurance_campaign.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/endurance/table_three.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "tests/catch.hpp"
@@ -209,7 +209,7 @@ TEST_CASE("the table's statistics are those of the textbook", "[STUDY-073]") {
         CHECK(printed[i].deviation == kDeviations[i]);
     }
     const auto json =
-        nlohmann::json::parse(endurance::to_json({.scenario = "endurance", .config_hash = "h", .version = "v", .seed = 9}, maneuvers, printed));
+        settings::parse_json(endurance::to_json({.scenario = "endurance", .config_hash = "h", .version = "v", .seed = 9}, maneuvers, printed));
     CHECK(json["maneuvers"] == 4);
     CHECK(json["seed"] == 9);
     CHECK(json["quantities"]["torque_Nm"]["mean"] == 4.0);

@@ -1,8 +1,7 @@
 /// Does the soak see what creeps, and nothing where nothing does?
 #include "plant_sim/endurance/soak.hpp"
 
-#include <nlohmann/json.hpp>
-
+#include "firmware/host/settings/json.hpp"
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"
 
@@ -35,7 +34,7 @@ TEST_CASE("landings back to back: nothing creeps, same seed, same result", "[STU
     CHECK(landings == r.landings);
     CHECK(r.landings > 20);
     CHECK(endurance::to_json(r, s, 3) == endurance::to_json(endurance::soak(s, kShort, constant), s, 3));
-    const auto json = nlohmann::json::parse(endurance::to_json(r, s, 3));
+    const auto json = settings::parse_json(endurance::to_json(r, s, 3));
     CHECK(json["landings"] == r.landings);
     CHECK(json["spans"].size() == SoakResult::kSpans);
 }

@@ -7,16 +7,16 @@
 #include <algorithm>
 #include <exception>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/modbus/client.hpp"
 #include "tests/modbus/plc_stub.hpp"
 
 namespace {
 
-using nlohmann::json;
+using settings::Json;
 
 template <typename Quantity, std::size_t N>
 Quantity by_name(const std::string& name) {
@@ -27,8 +27,8 @@ Quantity by_name(const std::string& name) {
 }
 
 template <typename Quantity, typename Values>
-json named(const Values& values) {
-    json object;
+Json named(const Values& values) {
+    Json object;
     for (std::size_t i = 0; i < values.size(); ++i) object[std::string(rig::name(static_cast<Quantity>(i)))] = values[i];
     return object;
 }
@@ -36,7 +36,7 @@ json named(const Values& values) {
 int serve() {
     const auto map = stub::shipped_map();
     stub::Plc plc(map, {.rtu = true});
-    std::cout << json{{"port", plc.server().port()}, {"rtu", plc.server().rtu_path()}} << std::endl;
+    std::cout << Json{{"port", plc.server().port()}, {"rtu", plc.server().rtu_path()}} << std::endl;
     for (std::string line; std::getline(std::cin, line);) {
         std::istringstream words(line);
         std::string name;

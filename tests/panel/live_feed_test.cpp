@@ -1,11 +1,11 @@
 // What the loop hands over: no peak between two pixels is lost, what is not known is null, and nobody is waited for. [BRG-520]
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/panel/broadcast.hpp"
 #include "rig_bridge/panel/curves.hpp"
 #include "rig_bridge/panel/live_feed.hpp"
@@ -41,10 +41,10 @@ TEST_CASE("a pixel keeps the least, the greatest and the last of its samples", "
     const Events events = collected(feed);
     REQUIRE(events.size() == 1);
     CHECK(events[0].first == "pixel");
-    const auto pixel = nlohmann::json::parse(events[0].second);
-    CHECK(pixel["v"][static_cast<std::size_t>(Signal::slip)] == nlohmann::json({0.1, 0.9, 0.3}));
-    CHECK(pixel["v"][static_cast<std::size_t>(Signal::pressure)] == nlohmann::json({10.0, 10.0, 10.0}));
-    CHECK(pixel["v"][static_cast<std::size_t>(Signal::load)] == nlohmann::json({nullptr, nullptr, nullptr}));
+    const auto pixel = settings::parse_json(events[0].second);
+    CHECK(pixel["v"][static_cast<std::size_t>(Signal::slip)] == settings::Json({0.1, 0.9, 0.3}));
+    CHECK(pixel["v"][static_cast<std::size_t>(Signal::pressure)] == settings::Json({10.0, 10.0, 10.0}));
+    CHECK(pixel["v"][static_cast<std::size_t>(Signal::load)] == settings::Json({nullptr, nullptr, nullptr}));
     CHECK(collected(feed).empty());
 }
 
@@ -87,9 +87,9 @@ TEST_CASE("curves have the channels that are known, in their units", "[BRG-520]"
     CHECK(curves.empty());
     curves.add(sample(-0.001, 0.2));
     curves.add(sample(0.0004, std::nan("")));
-    const auto json = nlohmann::json::parse(curves.json());
-    CHECK(json["t"] == nlohmann::json({-0.001, 0.0}));
-    CHECK(json["slip"] == nlohmann::json({0.2, nullptr}));
-    CHECK(json["pressure"] == nlohmann::json({10.0, 10.0}));
+    const auto json = settings::parse_json(curves.json());
+    CHECK(json["t"] == settings::Json({-0.001, 0.0}));
+    CHECK(json["slip"] == settings::Json({0.2, nullptr}));
+    CHECK(json["pressure"] == settings::Json({10.0, 10.0}));
     CHECK_FALSE(json.contains("load"));
 }

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/panel/server.hpp"
 
@@ -24,7 +24,7 @@ int run() {
     rig::panel::ServerOptions options{
         .address = rig::panel::parse_address("127.0.0.1:0"),
         .about = {.title = "made signals", .simulated = true, .views = {"live"}, .emergency_stop = "It is the red button at the rig."}};
-    options.changes["abort"] = [&aborts](const rig::panel::Query&) { return nlohmann::json{{"said", fmt::format("aborts: {}", ++aborts)}}.dump(); };
+    options.changes["abort"] = [&aborts](const rig::panel::Query&) { return settings::Json{{"said", fmt::format("aborts: {}", ++aborts)}}.dump(); };
     const rig::panel::Server server(options, &feed);
     fmt::print("{}\n", server.greeting());
     (void)std::fflush(stdout);
@@ -43,9 +43,9 @@ int run() {
         sample[Signal::temperature] = 20.0 + t;
         feed.sample(sample);
         if (feed.state_due(t)) {
-            nlohmann::ordered_json state{{"facts", {{"phase", "braking"}, {"controller", "controlling <b>"}}},
-                                         {"interlocks", {{"guard closed", aborts == 0}, {"drive healthy", true}}},
-                                         {"alarms", nlohmann::ordered_json::array()}};
+            settings::Json state{{"facts", {{"phase", "braking"}, {"controller", "controlling <b>"}}},
+                                 {"interlocks", {{"guard closed", aborts == 0}, {"drive healthy", true}}},
+                                 {"alarms", settings::Json::array()}};
             if (aborts > 0)
                 state["alarms"].push_back(
                     {{"name", "abort: operator"}, {"happened", "you asked for it"}, {"next", "start again when you are ready"}});

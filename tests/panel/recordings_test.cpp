@@ -1,12 +1,12 @@
 // Stops that are tried from the panel, and recorded maneuvers as it asks for them. [STUDY-190]
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/lab/panel_recordings.hpp"
 #include "plant_sim/lab/panel_stops.hpp"
 #include "rig_bridge/record/ledger.hpp"
@@ -43,7 +43,7 @@ std::filesystem::path campaign() {
 
 TEST_CASE("a stop that is tried is the stop of rig-lab stop", "[STUDY-190]") {
     PanelStops stops("config");
-    const auto stop = nlohmann::json::parse(stops.stop(Query(heavy())));
+    const auto stop = settings::Json::parse(stops.stop(Query(heavy())));
     CHECK(stop["figures"]["stop distance, m"].get<double>() == Approx(197.7).margin(0.05));
     CHECK(stop["figures"]["came to rest"] == "yes");
     const auto& columns = stop["columns"];
@@ -67,13 +67,13 @@ TEST_CASE("what is not among the fields is refused by name", "[STUDY-190]") {
 TEST_CASE("attempts of a ledger, and a note to one", "[STUDY-190]") {
     const std::filesystem::path folder = campaign();
     const PanelRecordings recordings(folder, "config", antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml"));
-    auto run = nlohmann::json::parse(recordings.runs())["runs"].at(0);
+    auto run = settings::parse_json(recordings.runs())["runs"].at(0);
     CHECK(run["number"] == 1);
     CHECK(run["figures"]["length, m"] == 200.5);
     CHECK(run["configuration"]["slip reference"] == 0.24);
     CHECK(run["notes"].empty());
     (void)recordings.note("c", 1, 1, "A. Rossi", "tread <b>cut</b>");
-    run = nlohmann::json::parse(recordings.runs())["runs"].at(0);
+    run = settings::parse_json(recordings.runs())["runs"].at(0);
     CHECK(run["notes"].at(0)["text"] == "tread <b>cut</b>");
     CHECK_THROWS_AS(recordings.note("c", 1, 1, "", "text"), rig::record::LedgerError);
     CHECK_THROWS_AS(recordings.note("c", 1, 1, "who", "two\nlines"), std::invalid_argument);

@@ -2,10 +2,10 @@
 
 #include <atomic>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/paper/output_html.hpp"
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"
@@ -234,7 +234,7 @@ TEST_CASE("the page holds pictures, differences and every no; it needs nothing e
     const std::string live = paper::to_html(contents, results, rows, head);
     CHECK(count(live, "<script>") == 4);
     CHECK_THAT(live, ContainsSubstring("<script>let dygraphs;</script>"));
-    const auto json = nlohmann::json::parse(paper::to_json(results, rows, head));
+    const auto json = settings::parse_json(paper::to_json(results, rows, head));
     CHECK(json["config_hash"] == "abc");
     CHECK(json["comparisons"][1]["ours"] == 463.11);
     CHECK(json["comparisons"][2]["ours"].is_null());

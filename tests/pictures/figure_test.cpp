@@ -5,10 +5,10 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/pictures/figure.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 #include "tests/can/layouts.hpp"
@@ -25,9 +25,9 @@ std::string bytes(const std::filesystem::path& file) {
 }
 
 /// What draw() leaves for a page.
-nlohmann::json drawn(const TempDir& dir, pictures::Chart chart) {
+settings::Json drawn(const TempDir& dir, pictures::Chart chart) {
     pictures::draw({.title = "it's a_title", .charts = {std::move(chart)}}, dir.path() / "f.png");
-    return nlohmann::json::parse(bytes(dir.path() / "f.charts.json"));
+    return settings::parse_json(bytes(dir.path() / "f.charts.json"));
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ TEST_CASE("of a long series no peak and no gap is lost, and series over the same
     REQUIRE(spike != x.end());
     CHECK(series[0]["y"][static_cast<std::size_t>(spike - x.begin())] == Approx(std::sin(54.321) + 9.0).epsilon(1e-5));
     CHECK(std::count(series[1]["y"].begin(), series[1]["y"].end(), -7.0) == 1);
-    CHECK(std::count(series[1]["y"].begin(), series[1]["y"].end(), nlohmann::json()) == 1);
+    CHECK(std::count(series[1]["y"].begin(), series[1]["y"].end(), settings::Json()) == 1);
 }
 
 TEST_CASE("what gnuplot says reaches whoever asked for a picture, and nothing is left", "[STUDY-185]") {

@@ -4,13 +4,13 @@
 #include <csignal>
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "firmware/can/candump.hpp"
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/record/append_file.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
@@ -284,13 +284,13 @@ TEST_CASE("a summary that is none is refused by file and key", "[BRG-210]") {
     write_summary(path, some_summary());
     const std::string whole = can_test::contents(path);
     for (std::size_t cut : {std::size_t{1}, whole.size() / 2, whole.size() - 3}) rejected(whole.substr(0, cut), "is no whole JSON object");
-    const auto with = [&](const char* key, const nlohmann::ordered_json& value) {
-        auto json = nlohmann::ordered_json::parse(whole);
+    const auto with = [&](const char* key, const settings::Json& value) {
+        auto json = settings::parse_json(whole);
         json[key] = value;
         return json.dump();
     };
     const auto without = [&](const char* key) {
-        auto json = nlohmann::ordered_json::parse(whole);
+        auto json = settings::parse_json(whole);
         json.erase(key);
         return json.dump();
     };

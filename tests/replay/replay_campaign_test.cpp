@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
@@ -137,7 +137,7 @@ TEST_CASE("the campaign's table from the raw logs is that of summaries and ledge
     CHECK(table.rows[2].summary.outcome == "unfinished");
     CHECK(table.rows.back().summary.cumulative_energy_J == ran.energy_J);
     CHECK(table.rows[0].summary.figures.mean_friction == Approx(630.0 / 2.0e6 / record_test::kRig.brake_gain_m3).epsilon(1e-3));
-    const auto json = nlohmann::json::parse(rig::replay::to_json(table, "night"));
+    const auto json = settings::parse_json(rig::replay::to_json(table, "night"));
     CHECK(json["rows"][4]["cumulative_energy_J"].get<double>() == ran.energy_J);
     CHECK(replay_test::lines_of(rig::replay::to_csv(table)).size() == 6);
     CHECK(ran.rebuilt({}).different() == 0);
@@ -309,7 +309,7 @@ TEST_CASE("the exported table has the specimen of each maneuver as noted, and co
     CHECK_THAT(lines[1], ContainsSubstring(",,D7,,,,\"a, \"\"b\"\"\","));
     CHECK_THAT(lines[5], ContainsSubstring(",,D8,,,,\"a, \"\"b\"\"; changed\","));
     CHECK_THAT(to_text(table), ContainsSubstring("from here on: disc D8"));
-    CHECK(nlohmann::json::parse(rig::replay::to_json(table, "night"))["rows"][4]["disc_serial"] == "D8");
+    CHECK(settings::parse_json(rig::replay::to_json(table, "night"))["rows"][4]["disc_serial"] == "D8");
     // A ledger that is rebuilt has texts and notes once.
     const auto rebuilt = ran.dir.write("x", "").parent_path() / "rebuilt.sqlite";
     rig::replay::write_ledger(rebuilt, rig::record::read_campaigns(ran.file()).front(), table, rig::record::read_ledger(ran.file(), "night"));

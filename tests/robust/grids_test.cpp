@@ -2,10 +2,10 @@
 #include "plant_sim/study/robust/grids.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <tuple>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/robust/brake_on_report.hpp"
 #include "plant_sim/study/robust/changes_report.hpp"
 #include "plant_sim/study/robust/report.hpp"

@@ -1,9 +1,9 @@
 /// The campaign itself: the same rows whatever the threads, every law on the same plants, summaries that count right.
 #include "plant_sim/study/robust/robust_campaign.hpp"
 
-#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/robust/report.hpp"
 #include "tests/catch.hpp"
 #include "tests/study/team_of_threads.hpp"
@@ -87,7 +87,7 @@ TEST_CASE("a summary counts what its rows say", "[STUDY-602]") {
     CHECK(all[0].worst == 0);
     CHECK_THAT(to_table(plan, rows, all), ContainsSubstring("paper, slip: worst: draw 0 (light "));
     CHECK(all[0].mean_travel_mAps == Approx(10.0));
-    const auto json = nlohmann::json::parse(to_json(plan, rows, all));
+    const auto json = settings::parse_json(to_json(plan, rows, all));
     CHECK(json["families"][0]["ended_safe"] == 4);
     CHECK_THAT(to_table(plan, rows, all), ContainsSubstring("| paper | slip | 200 | 4 | 3 |"));
 }

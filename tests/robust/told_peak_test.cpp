@@ -1,8 +1,8 @@
 /// The slip law told where the peak is: on one surface the slip law with that number, on a runway of patches with the number of each.
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/robust/report.hpp"
 #include "tests/catch.hpp"
@@ -100,7 +100,7 @@ TEST_CASE("distances are compared draw by draw; what did not come to rest is out
     CHECK(itself.mean == 1.0);
     CHECK(itself.percentile_99 == 1.0);
     CHECK(itself.within == 1.0);
-    auto json = nlohmann::json::parse(to_json(plan, rows, summaries));
+    auto json = settings::parse_json(to_json(plan, rows, summaries));
     CHECK(json["families"][0]["distance_over_told_peak"]["within_3_percent"] == ours.within);
 
     rows[98].figures.standstill = false;
@@ -108,7 +108,7 @@ TEST_CASE("distances are compared draw by draw; what did not come to rest is out
     summaries = summarise(plan, rows);
     CHECK(summaries[0].against_told_peak->draws == 99);
     CHECK(std::isinf(summaries[0].against_told_peak->percentile_99));
-    json = nlohmann::json::parse(to_json(plan, rows, summaries));
+    json = settings::parse_json(to_json(plan, rows, summaries));
     CHECK(json["families"][0]["distance_over_told_peak"]["percentile_99"].is_null());
     CHECK_THAT(to_table(plan, rows, summaries), ContainsSubstring("no stop"));
 

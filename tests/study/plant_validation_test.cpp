@@ -2,8 +2,8 @@
 #include "plant_sim/study/validation/plant_validation.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "tests/catch.hpp"
 #include "tests/replay/landings.hpp"
 
@@ -105,7 +105,7 @@ TEST_CASE("a log without a braking says so; reports hold their rows", "[BRG-320]
     const std::string text = landing(options);
     CHECK_FALSE(validate(dir.write("bus.log", text.substr(0, text.find("(0000000001.4"))), options).braked);
     const validation::Validation v = validate(dir.write("bus.log", text), options);
-    const auto json = nlohmann::json::parse(validation::to_json(v, R"({"log": "x"})"));
+    const auto json = settings::parse_json(validation::to_json(v, R"({"log": "x"})"));
     CHECK(json["log"] == "x");
     CHECK(json["bands"].size() == v.bands.size());
     CHECK(json["all"]["speed_mps"]["rms"].get<double>() == v.all.speed_mps.rms());

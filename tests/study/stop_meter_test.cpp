@@ -2,8 +2,8 @@
 #include "plant_sim/study/stop_meter.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/report.hpp"
 #include "tests/catch.hpp"
 #include "tests/study/scenarios.hpp"
@@ -58,7 +58,7 @@ TEST_CASE("a stop that begins below the speeds that tracking is measured at has 
     CHECK_FALSE(report.figures.tracked_tyre_share);
     CHECK(report.figures.stop_distance_m > 0.0);
     CHECK_THAT(study::to_table(report), ContainsSubstring("not measured"));
-    CHECK(nlohmann::json::parse(study::to_json(report)).at("tracked_share").is_null());
+    CHECK(settings::parse_json(study::to_json(report)).at("tracked_share").is_null());
 }
 
 TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-030]") {
@@ -114,7 +114,7 @@ TEST_CASE("a stop without a valve current has no travel; every landing under a c
     report.figures = meter.figures(rig);
     CHECK_FALSE(report.figures.valve_travel_mAps);
     CHECK_THAT(study::to_table(report), ContainsSubstring("valve travel above drop-out        not measured"));
-    CHECK(nlohmann::json::parse(study::to_json(report)).at("valve_travel_mAps").is_null());
+    CHECK(settings::parse_json(study::to_json(report)).at("valve_travel_mAps").is_null());
 
     // As the observer of a run sees the currents, whatever carries them.
     for (const auto link : {study::Link::rounded, study::Link::frames}) {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "tests/catch.hpp"
 #include "tests/sweep/made_up_sweep.hpp"
 
@@ -64,7 +64,7 @@ TEST_CASE("means and standard error over the landings, law by law", "[STUDY-148]
     CHECK(s.references[0].tracked_landings == 2);
     CHECK(s.references[0].tracked_tyre_share == Approx(0.25));
     CHECK(s.threshold->j_mu == Approx(0.81).epsilon(1e-14));
-    const auto json = nlohmann::json::parse(sweep::to_json(s));
+    const auto json = settings::parse_json(sweep::to_json(s));
     for (const char* key : {"study", "version", "config_hash", "seed", "landings", "stops", "checks", "passed"}) CHECK(json.contains(key));
     CHECK(json["references"][0]["j_mu"] == s.references[0].j_mu);
     CHECK(json["threshold"]["j_mu"] == s.threshold->j_mu);

@@ -2,8 +2,8 @@
 #include "plant_sim/study/sweep/trade.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "rig_bridge/wear/draw.hpp"
 #include "tests/catch.hpp"
 #include "tests/sweep/made_up_sweep.hpp"
@@ -80,7 +80,7 @@ TEST_CASE("no reference within the bounds, nothing that costs, all on one side: 
     CHECK(none.greatest_j_mu.slip_reference == Approx(0.22));
     const std::string text = sweep::to_text(none, options);
     CHECK(text.find("No fixed slip reference is within them: mean J_mu is at most 0.9660 (at 0.220)") != std::string::npos);
-    const auto json = nlohmann::json::parse(sweep::to_json(none, paper(), options));
+    const auto json = settings::parse_json(sweep::to_json(none, paper(), options));
     CHECK(json["feasible"] == false);
     CHECK_FALSE(json.contains("best"));
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/lab/dynamics_report.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/wear/draw.hpp"
@@ -167,7 +167,7 @@ TEST_CASE("the report's JSON has what was learnt", "[WEAR-011]") {
     const TempDir dir;
     const auto classes = plant_sim::lab::load_stops({{"medium", write_log(dir, "one", landing_of("medium_a", 4))}}, quiet());
     plant_sim::lab::ClassDynamics learnt{classes.at(0), wear::learn_dynamics(classes.at(0).stops, {}), kTruth.at("medium")};
-    const auto json = nlohmann::json::parse(plant_sim::lab::to_json({learnt}, {"c", "d"}));
+    const auto json = settings::parse_json(plant_sim::lab::to_json({learnt}, {"c", "d"}));
     CHECK(json["config_hash"] == "c");
     CHECK(json["classes"][0]["class"] == "medium");
     CHECK(json["classes"][0]["coefficients"].get<wear::Curve>() == learnt.found.curve);

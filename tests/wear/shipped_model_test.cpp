@@ -73,7 +73,7 @@ TEST_CASE("the shipped model is what `rig-lab wear fit` makes of the shipped cam
     CHECK(content_of(kModel) == fitted_model());
 }
 
-TEST_CASE("the shipped population says that it is made up, and is what its law makes of its seeds", "[WEAR-071]") {
+TEST_CASE("the shipped population says that it is made up, and is what its law makes of its seeds", "[.population][WEAR-071]") {
     const wear::Population shipped = wear::read_population(kPopulation).population;
     CHECK(shipped.provenance.made_up());
     CHECK(shipped.provenance.lives == 40);

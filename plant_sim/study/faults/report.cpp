@@ -8,12 +8,12 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/map.hpp"
 
@@ -33,8 +33,8 @@ std::string duration(double lasts_s) {
     return lasts_s >= Fault::kForGood ? "for good" : fmt::format("for {:.3f} s", lasts_s);
 }
 
-nlohmann::ordered_json json_of(const Counts& counts) {
-    nlohmann::ordered_json json;
+settings::Json json_of(const Counts& counts) {
+    settings::Json json;
     for (std::size_t i = 0; i < counts.size(); ++i) json[std::string(kOutcomeNames[i])] = counts[i];
     return json;
 }
@@ -66,7 +66,7 @@ std::string to_csv(const FaultPlan& plan, std::span<const Row> rows) {
 std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
     Counts all{};
     std::map<std::pair<Signal, Kind>, PairSummary> pairs;
-    nlohmann::ordered_json unsafe = nlohmann::ordered_json::array();
+    settings::Json unsafe = settings::Json::array();
     for (const auto& [run, result] : rows) {
         const Judgement& v = result.verdict;
         PairSummary& pair = pairs[{run.fault.what.signal, run.fault.what.kind}];
@@ -76,7 +76,7 @@ std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
         pair.latest_name_s = std::max(pair.latest_name_s, v.named_after_s);
         if (v.outcome == Outcome::unsafe) unsafe.push_back({{"run", run.number}, {"hazard", name(v.hazard)}});
     }
-    nlohmann::ordered_json faults = nlohmann::ordered_json::array();
+    settings::Json faults = settings::Json::array();
     for (const Pair& what : catalogue()) {
         const auto found = pairs.find({what.signal, what.kind});
         if (found == pairs.end()) continue;
@@ -89,7 +89,7 @@ std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
     std::vector<std::string> surfaces;
     for (const Surface& surface : plan.surfaces) surfaces.push_back(surface.name);
     const Bounds bounds;
-    const nlohmann::ordered_json json{
+    const settings::Json json{
         {"runs", rows.size()},
         {"outcomes", json_of(all)},
         {"unsafe", unsafe},

@@ -4,28 +4,28 @@
 #include <fmt/ranges.h>
 
 #include <iterator>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 
 namespace identification {
 
 namespace {
 
-using nlohmann::ordered_json;
+using settings::Json;
 
-ordered_json json(const Estimate& e) {
+Json json(const Estimate& e) {
     return {{"value", e.value}, {"low", e.low}, {"high", e.high}, {"deviation", e.deviation}};
 }
 
-ordered_json json(const ValveFit& v) {
-    ordered_json points = ordered_json::array();
+Json json(const ValveFit& v) {
+    Json points = Json::array();
     for (std::size_t i = 0; i < v.current_mA.size(); ++i) {
-        ordered_json point = json(v.pressure_Pa[i]);
+        Json point = json(v.pressure_Pa[i]);
         point["current_mA"] = v.current_mA[i];
         points.push_back(std::move(point));
     }
-    ordered_json residuals = ordered_json::array();
+    Json residuals = Json::array();
     for (const ValveResiduals& r : v.residuals) residuals.push_back({{"recording", r.recording}, {"rms_Pa", r.rms_Pa}});
     return {{"dead_zone_mA", json(v.dead_zone_mA)},
             {"pressure_Pa", points},
@@ -40,14 +40,14 @@ ordered_json json(const ValveFit& v) {
             {"residuals", residuals}};
 }
 
-ordered_json json(const WheelFit& w) {
-    ordered_json relative = ordered_json::array();
+Json json(const WheelFit& w) {
+    Json relative = Json::array();
     for (const Estimate& e : w.relative_friction) relative.push_back(json(e));
     return {{"inertia_kgm2", json(w.inertia_kgm2)}, {"gain_m3", json(w.gain_m3)},    {"friction", json(w.friction)},
             {"friction_class", w.friction_class},   {"relative_friction", relative}, {"lags_s", w.lags_s}};
 }
 
-ordered_json json(const FrictionFit& f) {
+Json json(const FrictionFit& f) {
     return {{"surface", f.surface}, {"c1", json(f.c1)},          {"c2", json(f.c2)},   {"c3", json(f.c3)},
             {"rms", f.rms},         {"readings", f.slip.size()}, {"lags_s", f.lags_s}, {"largest_slip", f.largest_slip}};
 }
@@ -89,13 +89,13 @@ std::string to_table(const Identified& found) {
 }
 
 std::string to_json(const Identified& found, const std::string& head) {
-    ordered_json all = ordered_json::parse(head);
+    Json all = settings::parse_json(head);
     all["valve"] = json(found.valve);
     if (found.wheel) all["wheel"] = json(*found.wheel);
-    ordered_json surfaces = ordered_json::array();
+    Json surfaces = Json::array();
     for (const FrictionFit& f : found.surfaces) surfaces.push_back(json(f));
     all["surfaces"] = surfaces;
-    return all.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+    return settings::json_page(all);
 }
 
 }  // namespace identification

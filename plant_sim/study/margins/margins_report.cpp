@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "rig_bridge/pictures/figure.hpp"
@@ -19,9 +19,9 @@ namespace study::margins {
 
 namespace {
 
-using nlohmann::ordered_json;
+using settings::Json;
 
-ordered_json to_json(const Margins& m) {
+Json to_json(const Margins& m) {
     // Not-a-number and infinity become null.
     return {{"stable", m.stable},
             {"unstable_open_loop_poles", m.unstable_poles},
@@ -35,7 +35,7 @@ ordered_json to_json(const Margins& m) {
             {"downward_oscillation_radps", m.downward_radps}};
 }
 
-ordered_json to_json(const BothMargins& m) {
+Json to_json(const BothMargins& m) {
     return {{"printed", to_json(m.printed)}, {"full", to_json(m.full)}};
 }
 
@@ -141,7 +141,7 @@ std::string to_table(const std::vector<StopConditions>& scenarios, const std::ve
 }
 
 std::string to_json(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
-    ordered_json rows = ordered_json::array();
+    Json rows = Json::array();
     for (const Cell& c : cells) {
         const bool limited = c.limits.gamma > 1.0;
         rows.push_back({{"surface", scenarios[c.scenario].surface},
@@ -152,14 +152,14 @@ std::string to_json(const std::vector<StopConditions>& scenarios, const std::vec
                         {"reachable", c.reachable},
                         {"pole_printed_radps", -c.printed_pole_radps},
                         {"pole_full_radps", -c.full_pole_radps},
-                        {"wheel_swing_growth_per_s", c.swing ? ordered_json(c.swing->real()) : ordered_json()},
-                        {"wheel_swing_radps", c.swing ? ordered_json(c.swing->imag()) : ordered_json()},
+                        {"wheel_swing_growth_per_s", c.swing ? Json(c.swing->real()) : Json()},
+                        {"wheel_swing_radps", c.swing ? Json(c.swing->imag()) : Json()},
                         {"wheel_edge_periods", c.edge_periods},
                         {"law_alone_growth_per_s", c.controller_growth_per_s},
                         {"law_slowest_growth_per_s", c.law_slowest.real()},
                         {"law_slowest_radps", std::abs(c.law_slowest.imag())},
-                        {"limit_phase_margin_deg", limited ? ordered_json(c.limits.phase_deg) : ordered_json()},
-                        {"limit_gain_range_dB", limited ? ordered_json(c.limits.gain_range_dB) : ordered_json()},
+                        {"limit_phase_margin_deg", limited ? Json(c.limits.phase_deg) : Json()},
+                        {"limit_gain_range_dB", limited ? Json(c.limits.gain_range_dB) : Json()},
                         {"feasible", c.limits.allow(head.options.requirement)},
                         {"pid", to_json(c.pid)},
                         {"law", to_json(c.law)}});
@@ -168,7 +168,7 @@ std::string to_json(const std::vector<StopConditions>& scenarios, const std::vec
     const auto share = [&](const auto& good) {
         return 100.0 * static_cast<double>(std::count_if(cells.begin(), cells.end(), good)) / static_cast<double>(cells.size());
     };
-    const ordered_json json{
+    const Json json{
         {"study", "margins"},
         {"config_hash", head.config_hash},
         {"version", head.version},

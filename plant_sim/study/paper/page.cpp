@@ -8,10 +8,10 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/paper/assets.hpp"
 #include "plant_sim/study/paper/output_html.hpp"
 #include "rig_bridge/panel/page.hpp"
@@ -21,7 +21,7 @@ namespace paper {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using settings::Json;
 
 std::string bytes_of(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
@@ -206,7 +206,7 @@ const Json& selected(const Json& array, const std::string& rule, std::string_vie
 }  // namespace
 
 double value_at(std::string_view json, std::string_view path) {
-    const Json root = Json::parse(json);
+    const Json root = settings::parse_json(json);
     const Json* at = &root;
     const bool size_wanted = path.ends_with("/#");
     if (size_wanted) path.remove_suffix(2);
@@ -259,7 +259,7 @@ std::string base64(std::string_view bytes) {
 std::string escaped(std::string_view text) {
     // nlohmann's replacing of what is no UTF-8, and then the five characters of HTML.
     const std::string quoted = Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace);
-    const std::string clean = Json::parse(quoted).get<std::string>();
+    const std::string clean = settings::parse_json(quoted).get<std::string>();
     std::string out;
     out.reserve(clean.size());
     for (const char c : clean) {
@@ -330,7 +330,7 @@ std::string to_json(const std::vector<SectionResult>& results, const std::vector
     }
     const Json json{{"study", "report"},   {"version", head.version}, {"config_hash", head.config_hash},
                     {"quick", head.quick}, {"sections", sections},    {"comparisons", comparisons}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return settings::json_page(json);
 }
 
 }  // namespace paper

@@ -100,9 +100,8 @@ std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows)
     return "\nJ_mu over that of the reference held exactly, and valve travel over that of the fastest brake-on\n\n" + table.text();
 }
 
-nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows) {
-    nlohmann::ordered_json json{
-        {"required_travel_ratio", kRequiredTravelRatio}, {"summaries", nlohmann::ordered_json::array()}, {"stops", nlohmann::ordered_json::array()}};
+settings::Json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows) {
+    settings::Json json{{"required_travel_ratio", kRequiredTravelRatio}, {"summaries", settings::Json::array()}, {"stops", settings::Json::array()}};
     for (const BrakeOnSummary& s : summarise_brake_on(plan, rows))
         json["summaries"].push_back({{"law", plan.laws[s.law].name},
                                      {"speed_mps", s.speed_mps},
@@ -112,7 +111,7 @@ nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<R
                                      {"asked_share_of_held", asked_share(s.speed_mps)},
                                      {"mean_share_of_held", study::or_null(s.mean_share)},
                                      {"min_share_of_held", study::or_null(s.min_share)},
-                                     {"min_is", s.min_share ? nlohmann::ordered_json(stop_is(plan, s.min)) : nlohmann::ordered_json()},
+                                     {"min_is", s.min_share ? settings::Json(stop_is(plan, s.min)) : settings::Json()},
                                      {"reached", s.reached},
                                      {"mean_valve_travel_mAps", s.mean_travel_mAps},
                                      {"max_travel_ratio", s.max_travel_ratio},

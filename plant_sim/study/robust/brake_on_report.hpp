@@ -2,12 +2,11 @@
 /// fastest landing.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
 
 namespace robust {
@@ -44,6 +43,6 @@ inline constexpr double kRequiredTravelRatio = 3.0;
 /// In Markdown; empty where the plan has no such stops.
 [[nodiscard]] std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows);
 /// The summaries, and every stop by itself.
-[[nodiscard]] nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] settings::Json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows);
 
 }  // namespace robust

@@ -73,8 +73,8 @@ std::string change_is(const RobustPlan& plan, std::size_t number) {
     return fmt::format("{} to {}, {}, {:.0f} m/s", from.surface, plan.basis.landings[change.to].surface, from.maneuver, change.speed_mps);
 }
 
-nlohmann::ordered_json summary_json(const RobustPlan& plan, const ChangesSummary& s) {
-    nlohmann::ordered_json json{{"law", plan.laws[s.law].name}, {"of", s.of}, {"changes", s.changes}, {"measured", s.measured}};
+settings::Json summary_json(const RobustPlan& plan, const ChangesSummary& s) {
+    settings::Json json{{"law", plan.laws[s.law].name}, {"of", s.of}, {"changes", s.changes}, {"measured", s.measured}};
     if (s.measured == 0) return json;
     json["within_0.4_s"] = s.in_time;
     json["never"] = s.never;
@@ -111,19 +111,19 @@ std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows) 
     return "\n95 % of the new surface's friction, regained and kept after a change of surface\n\n" + table.text();
 }
 
-nlohmann::ordered_json changes_json(const RobustPlan& plan, const std::vector<Row>& rows) {
-    nlohmann::ordered_json json{{"summaries", nlohmann::ordered_json::array()}, {"changes", nlohmann::ordered_json::array()}};
+settings::Json changes_json(const RobustPlan& plan, const std::vector<Row>& rows) {
+    settings::Json json{{"summaries", settings::Json::array()}, {"changes", settings::Json::array()}};
     for (const ChangesSummary& s : summarise_changes(plan, rows)) json["summaries"].push_back(summary_json(plan, s));
     for (const Row& row : rows) {
         if (row.family != Family::changes) continue;
         const SurfaceChange change = change_at(plan.basis, row.number);
-        nlohmann::ordered_json one{{"law", plan.laws[row.law].name},
-                                   {"from", plan.basis.landings[change.from].surface},
-                                   {"to", plan.basis.landings[change.to].surface},
-                                   {"maneuver", plan.basis.landings[change.from].maneuver},
-                                   {"grid_speed_mps", change.speed_mps},
-                                   {"measured", row.regrip && row.regrip->measured()},
-                                   {"ended_safe", row.tripped()}};
+        settings::Json one{{"law", plan.laws[row.law].name},
+                           {"from", plan.basis.landings[change.from].surface},
+                           {"to", plan.basis.landings[change.to].surface},
+                           {"maneuver", plan.basis.landings[change.from].maneuver},
+                           {"grid_speed_mps", change.speed_mps},
+                           {"measured", row.regrip && row.regrip->measured()},
+                           {"ended_safe", row.tripped()}};
         if (row.regrip) {
             one["speed_mps"] = row.regrip->speed_mps;
             one["judged_s"] = row.regrip->judged_s;

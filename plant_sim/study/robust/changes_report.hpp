@@ -1,11 +1,10 @@
 /// What the stops of the grid `changes` came to: how soon the wheel has the friction of another surface.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
 
 namespace robust {
@@ -30,6 +29,6 @@ struct ChangesSummary {
 /// In Markdown; empty where the plan has no changes.
 [[nodiscard]] std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows);
 /// The summaries, and every change by itself.
-[[nodiscard]] nlohmann::ordered_json changes_json(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] settings::Json changes_json(const RobustPlan& plan, const std::vector<Row>& rows);
 
 }  // namespace robust

@@ -141,13 +141,13 @@ std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const
 }
 
 std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
-    nlohmann::ordered_json json;
+    settings::Json json;
     json["seed"] = plan.seed;
     json["draws"] = plan.draws;
     json["slip_reference"] = plan.basis.uncertainty.slip_reference;
     json["config_hash"] = plan.config_hash;
     json["version"] = ANTISKID_VERSION;
-    json["families"] = nlohmann::ordered_json::array();
+    json["families"] = settings::Json::array();
     for (const Summary& s : summaries) {
         json["families"].push_back({{"family", name(s.family)},
                                     {"law", plan.laws[s.law].name},

@@ -6,13 +6,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <type_traits>
 
 #include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/json.hpp"
 
 namespace sweep {
 
@@ -163,8 +163,8 @@ std::string difference(const Identity& got, const Identity& wanted) {
 }
 
 std::string head(const Identity& identity) {
-    const nlohmann::ordered_json json{{"version", identity.version},       {"config_hash", identity.config_hash}, {"seed", identity.seed},
-                                      {"references", identity.references}, {"landings", identity.landings},       {"threshold", identity.threshold}};
+    const settings::Json json{{"version", identity.version},       {"config_hash", identity.config_hash}, {"seed", identity.seed},
+                              {"references", identity.references}, {"landings", identity.landings},       {"threshold", identity.threshold}};
     return fmt::format("{}{}\n{}", kFormat, json.dump(), column_names());
 }
 
@@ -222,14 +222,14 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
             if (!text.starts_with(kFormat))
                 throw Error(name, 1, "", "this is no table of a sweep's stops; its first line begins with '" + std::string(kFormat) + "'");
             try {
-                const auto json = nlohmann::json::parse(text.substr(kFormat.size()));
+                const auto json = settings::parse_json(text.substr(kFormat.size()));
                 table.identity = {.version = json.at("version").get<std::string>(),
                                   .config_hash = json.at("config_hash").get<std::string>(),
                                   .seed = json.at("seed").get<std::uint64_t>(),
                                   .references = json.at("references").get<std::vector<double>>(),
                                   .landings = json.at("landings").get<std::size_t>(),
                                   .threshold = json.at("threshold").get<bool>()};
-            } catch (const nlohmann::json::exception& e) {
+            } catch (const settings::Json::exception& e) {
                 throw Error(name, 1, "", std::string("damaged first line: ") + e.what());
             }
             check_identity(name, table.identity);

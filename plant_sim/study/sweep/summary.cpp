@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 
 namespace sweep {
@@ -42,8 +42,8 @@ Means means_of(std::span<const Row> rows) {
     return m;
 }
 
-nlohmann::ordered_json json_of(const Means& m) {
-    nlohmann::ordered_json json;
+settings::Json json_of(const Means& m) {
+    settings::Json json;
     if (m.slip_reference > 0.0) json["slip_reference"] = m.slip_reference;
     json.update({{"landings", m.landings},
                  {"j_mu", m.j_mu},
@@ -79,12 +79,12 @@ Summary summarised(const Identity& identity, std::span<const Row> rows) {
 }
 
 std::string to_json(const Summary& s) {
-    nlohmann::ordered_json references = nlohmann::ordered_json::array();
+    settings::Json references = settings::Json::array();
     for (const Means& m : s.references) references.push_back(json_of(m));
-    nlohmann::ordered_json checks = nlohmann::ordered_json::array();
+    settings::Json checks = settings::Json::array();
     for (const Check& c : s.checks) checks.push_back({{"name", c.name}, {"demand", c.demand}, {"measured", c.measured}, {"passed", c.passed}});
-    nlohmann::ordered_json json{{"study", "sweep"},        {"version", s.identity.version},   {"config_hash", s.identity.config_hash},
-                                {"seed", s.identity.seed}, {"landings", s.identity.landings}, {"stops", s.identity.stops()}};
+    settings::Json json{{"study", "sweep"},        {"version", s.identity.version},   {"config_hash", s.identity.config_hash},
+                        {"seed", s.identity.seed}, {"landings", s.identity.landings}, {"stops", s.identity.stops()}};
     if (!s.references.empty()) json["best"] = {{"slip_reference", s.references[s.best].slip_reference}, {"j_mu", s.references[s.best].j_mu}};
     json["references"] = references;
     if (s.threshold) json["threshold"] = json_of(*s.threshold);

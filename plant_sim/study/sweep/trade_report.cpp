@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/sweep/trade.hpp"
 #include "rig_bridge/pictures/figure.hpp"
@@ -45,8 +45,8 @@ const char* words_of(Decides decides) {
     return "";
 }
 
-nlohmann::ordered_json json_of(const Offer& o) {
-    nlohmann::ordered_json json;
+settings::Json json_of(const Offer& o) {
+    settings::Json json;
     if (o.slip_reference > 0.0) json["slip_reference"] = o.slip_reference;
     json.update({{"j_mu", o.j_mu},
                  {"stop_distance_m", o.stop_distance_m},
@@ -56,7 +56,7 @@ nlohmann::ordered_json json_of(const Offer& o) {
     return json;
 }
 
-nlohmann::ordered_json json_of(const Saving& s) {
+settings::Json json_of(const Saving& s) {
     return {{"share", s.share}, {"interval_95", {s.interval.low, s.interval.high}}};
 }
 
@@ -121,9 +121,9 @@ pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y
 }  // namespace
 
 std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions& options) {
-    nlohmann::ordered_json json{{"study", "trade"},     {"version", sweep.identity.version}, {"config_hash", sweep.identity.config_hash},
-                                {"sweep", sweep.name},  {"sweep_seed", sweep.identity.seed}, {"landings", sweep.identity.landings},
-                                {"seed", options.seed}, {"resamples", options.resamples}};
+    settings::Json json{{"study", "trade"},     {"version", sweep.identity.version}, {"config_hash", sweep.identity.config_hash},
+                        {"sweep", sweep.name},  {"sweep_seed", sweep.identity.seed}, {"landings", sweep.identity.landings},
+                        {"seed", options.seed}, {"resamples", options.resamples}};
     if (const auto* price = std::get_if<Prices>(&options.tariff))
         json.update({{"brake_price_per_MJ", price->brake_per_MJ}, {"tyre_price_per_MJ", price->tyre_per_MJ}});
     else

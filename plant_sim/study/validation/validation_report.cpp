@@ -2,11 +2,11 @@
 
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
 #include "rig_bridge/pictures/figure.hpp"
@@ -21,11 +21,11 @@ void append_errors(settings::TextTable& table, const std::string& title, const V
               e.slip.largest);
 }
 
-nlohmann::ordered_json as_json(const ErrorFigures& e) {
+settings::Json as_json(const ErrorFigures& e) {
     return {{"count", e.count}, {"rms", e.rms()}, {"max", e.largest}};
 }
 
-nlohmann::ordered_json as_json(const ValidationErrors& e) {
+settings::Json as_json(const ValidationErrors& e) {
     return {{"speed_mps", as_json(e.speed_mps)}, {"wheel_rim_mps", as_json(e.wheel_rim_mps)}, {"slip", as_json(e.slip)}};
 }
 
@@ -67,7 +67,7 @@ std::string to_text(const Validation& v) {
 }
 
 std::string to_json(const Validation& v, const std::string& head) {
-    auto root = nlohmann::ordered_json::parse(head);
+    auto root = settings::parse_json(head);
     root["clock"] = v.lockstep ? "sync" : "stamps";
     root["brake_on_s"] = v.brake_on_s;
     root["brake_on_line"] = v.brake_on_line;
@@ -79,7 +79,7 @@ std::string to_json(const Validation& v, const std::string& head) {
     root["rejected_frames"] = v.rejected;
     root["peak_slip"] = v.peak_slip;
     root["past_peak_share"] = v.past_peak;
-    auto bands = nlohmann::ordered_json::array();
+    auto bands = settings::Json::array();
     for (std::size_t i = 0; i < v.bands.size(); ++i) {
         const double from = static_cast<double>(i) * Validation::kBand_mps;
         auto band = as_json(v.bands[i]);
@@ -89,7 +89,7 @@ std::string to_json(const Validation& v, const std::string& head) {
     }
     root["bands"] = bands;
     root["all"] = as_json(v.all);
-    return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    return settings::json_page(root);
 }
 
 void draw_validation(const Validation& validation, const std::filesystem::path& png, const std::string& title) {
