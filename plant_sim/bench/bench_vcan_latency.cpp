@@ -53,7 +53,7 @@ struct WakeUpRound {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::seconds kPatience{30};
+constexpr std::chrono::seconds kTimeout{30};
 
 settings::Json read_json(const std::filesystem::path& path) {
     std::ifstream in(path);
@@ -68,7 +68,7 @@ class Traffic {
         : socket_(std::make_unique<can::SocketCan>(s.interface, ids.span())),
           rig_({s.virtual_rig, "--can", s.interface, "--clock", "timer", "--priority", std::to_string(s.rig_priority()), "--patience", "3600000"},
                s.log()) {
-        if (!socket_->wait(kPatience)) throw std::runtime_error("virtual-rig sent nothing; see " + s.log().string());
+        if (!socket_->wait(kTimeout)) throw std::runtime_error("virtual-rig sent nothing; see " + s.log().string());
     }
 
     void close_socket() { socket_.reset(); }
@@ -132,7 +132,7 @@ void measure_cyclictest(const Settings& s, const can::IdList& ids, WakeUpRound& 
                 "cyclictest is not installed, so there is nothing to compare the wake-up latency with: `apt-get install rt-tests`, or ./rig setup");
         }
     }();
-    if (!cyclictest->ends_within(std::chrono::seconds{s.seconds} + kPatience))
+    if (!cyclictest->ends_within(std::chrono::seconds{s.seconds} + kTimeout))
         throw std::runtime_error("cyclictest did not end in time; see " + s.log().string());
     cyclictest->expect_success();
     if (traffic.ends_within(0ms)) throw std::runtime_error("virtual-rig ended before cyclictest; see " + s.log().string());

@@ -16,7 +16,7 @@ namespace antiskid::bench {
 
 namespace {
 
-constexpr std::chrono::seconds kPatience{30};
+constexpr std::chrono::seconds kEndTimeout{30};
 
 }  // namespace
 
@@ -63,8 +63,8 @@ bool Child::ends_within(const std::chrono::milliseconds time) {
 
 void Child::stop() {
     if (!ended_) kill(pid_, SIGTERM);
-    if (!ends_within(kPatience))
-        throw std::runtime_error(name() + " did not end within " + std::to_string(kPatience.count()) + " s of SIGTERM; see " + log_.string());
+    if (!ends_within(kEndTimeout))
+        throw std::runtime_error(name() + " did not end within " + std::to_string(kEndTimeout.count()) + " s of SIGTERM; see " + log_.string());
 }
 
 void Child::expect_success() const {

@@ -120,7 +120,7 @@ class PongProcess {
 using namespace std::chrono_literals;
 using Samples = std::vector<std::int64_t>;
 
-constexpr std::chrono::seconds kPatience{30};
+constexpr std::chrono::seconds kAnswerTimeout{30};
 
 /// On a thread of its own, so that programs started later do not inherit its priority.
 template <typename Work>
@@ -138,13 +138,13 @@ std::int64_t exchange(CanSocket& socket, const can_frame& question, can_frame& a
     host::MonotonicClock clock;
     const host::Time before = clock.now();
     socket.send(question);
-    if (!socket.receive(answer)) throw std::runtime_error("no answer within " + std::to_string(kPatience.count()) + " s");
+    if (!socket.receive(answer)) throw std::runtime_error("no answer within " + std::to_string(kAnswerTimeout.count()) + " s");
     return (clock.now() - before).count();
 }
 
 Samples ping_pong(const Settings& s, const std::size_t count) {
     CanSocket socket(s.interface, kPong);
-    socket.set_patience(kPatience);
+    socket.set_patience(kAnswerTimeout);
     const PongProcess other(s.interface, {.priority = s.priority, .cpu = s.cpu});
     return at_rig_priority(s, [&] {
         Samples latencies;
@@ -163,14 +163,14 @@ Samples ping_pong(const Settings& s, const std::size_t count) {
 void first_cycle(CanSocket& socket, const RecordedStop::Cycle& cycle, can_frame& answer) {
     constexpr auto kRepeat = 500ms;
     socket.set_patience(kRepeat);
-    for (auto waited = 0ms; waited < kPatience; waited += kRepeat) {
+    for (auto waited = 0ms; waited < kAnswerTimeout; waited += kRepeat) {
         for (const can_frame& frame : cycle.sensors) socket.send(frame);
         socket.send(cycle.sync);
         if (!socket.receive(answer)) continue;
-        socket.set_patience(kPatience);
+        socket.set_patience(kAnswerTimeout);
         return;
     }
-    throw std::runtime_error("antiskid-controller did not answer within " + std::to_string(kPatience.count()) + " s");
+    throw std::runtime_error("antiskid-controller did not answer within " + std::to_string(kAnswerTimeout.count()) + " s");
 }
 
 Samples replay(const Settings& s, const RecordedStop& stop, std::uint64_t& unlike_recorded) {

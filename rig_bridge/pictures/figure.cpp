@@ -113,9 +113,9 @@ std::string script(const Figure& figure) {
 }
 
 std::string array_text(const std::vector<double>& values) {
-    std::string out;
-    for (const double v : values) out += (out.empty() ? "" : ",") + number_text(v, "null");
-    return "[" + out + "]";
+    std::vector<std::string> texts(values.size());
+    std::transform(values.begin(), values.end(), texts.begin(), [](double v) { return number_text(v, "null"); });
+    return fmt::format("[{}]", fmt::join(texts, ","));
 }
 
 std::string range_json(const std::optional<Range>& range) {

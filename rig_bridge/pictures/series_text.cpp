@@ -16,9 +16,9 @@ std::string number_text(double value, const char* missing) {
 std::string series_block(const std::string& name, const Series& s) {
     std::string rows;
     for (std::size_t i = 0; i < s.x.size(); ++i) {
-        rows += number_text(s.x[i], "NaN") + " " + number_text(s.y[i], "NaN");
-        if (!s.low.empty()) rows += " " + number_text(s.low[i], "NaN") + " " + number_text(s.high[i], "NaN");
-        rows += s.notes.empty() ? "\n" : " \"" + s.notes[i] + "\"\n";
+        rows += fmt::format("{} {}", number_text(s.x[i], "NaN"), number_text(s.y[i], "NaN"));
+        if (!s.low.empty()) rows += fmt::format(" {} {}", number_text(s.low[i], "NaN"), number_text(s.high[i], "NaN"));
+        rows += s.notes.empty() ? "\n" : fmt::format(" \"{}\"\n", s.notes[i]);
     }
     return gnuplot_block(name, rows);
 }
