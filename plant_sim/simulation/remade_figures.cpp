@@ -13,11 +13,11 @@ std::vector<std::string> RemadeFigures::check(std::span<const rig::record::Ledge
     std::vector<std::string> wrong;
     for (const rig::record::LedgerRow& row : rows) {
         if (row.state != rig::record::RowState::finished || !seen_.insert(row.attempt.folder).second) continue;
-        const PassingFile file(log_bytes(row.attempt, *storage_));
+        const PassingFile file(disk_->bytes(row.attempt.folder / "bus.log"));
         rig::replay::LogWarnings warnings("bus.log", {});
         const rig::record::Figures made =
             rig::replay::meter_log(file.path(), setup_.layout, setup_.meter, rig::replay::LogEnd::closed, warnings).figures;
-        const rig::record::Figures written = rig::record::read_summary(row.attempt.folder / "summary.json", *storage_).figures;
+        const rig::record::Figures written = rig::record::read_summary(row.attempt.folder / "summary.json", *disk_).figures;
         for (const rig::record::FigureField& field : rig::record::kFigureFields)
             for (const auto& [where, figures] : {std::pair{"summary.json", &written}, std::pair{"the ledger", &row.summary.figures}})
                 if (figures->*field.value != made.*field.value)
