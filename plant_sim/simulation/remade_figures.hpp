@@ -1,4 +1,4 @@
-/// Figures that are made again from the recording of a finished maneuver, against those of its summary and of the ledger.
+/// Figures and warnings that are made again from the recording of a finished maneuver, against those of its summary and of the ledger.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ class RemadeFigures {
     /// `setup` must outlive it.
     RemadeFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const SimulatedDisk> disk) : setup_(setup), disk_(std::move(disk)) {}
 
-    /// Which rows have other figures, of those that were not looked at before.
+    /// Which rows have others, of those that were not looked at before.
     [[nodiscard]] std::vector<std::string> check(std::span<const rig::record::LedgerRow> rows);
 
   private:
