@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/ledger_database.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_reader.hpp"

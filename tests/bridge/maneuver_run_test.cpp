@@ -71,8 +71,8 @@ TEST_CASE("a record has each reading of the PLC once, and ends 16 steps after th
     rig::record::SampleLog samples(std::make_unique<Rows>(1000));
     Moment moment = moment_at(1.0);
     moment.outputs.phase = Phase::braking;
-    for (int step = 0; step < 30; ++step) {
-        moment.plc.counters.polls = static_cast<std::uint64_t>(1 + step / 3);
+    for (std::uint64_t step = 0; step < 30; ++step) {
+        moment.plc.counters.polls = 1 + step / 3;
         CHECK_FALSE(run.follow(moment, 1s, samples));
     }
     CHECK(samples.rows() == 10);
