@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 
 #include <functional>
 #include <memory>
@@ -45,8 +46,17 @@ struct FailingCommand {
         });
     }
 
+    /// A campaign's disk has files of megabytes. Given back after each and fetched again page by page, they cost a fifth of the time.
+    static void keep_memory() {
+        constexpr int kMost_bytes = 32 << 20U;
+        static_cast<void>(mallopt(M_MMAP_THRESHOLD, kMost_bytes));
+        static_cast<void>(mallopt(M_TRIM_THRESHOLD, 16 * kMost_bytes));
+        static_cast<void>(mallopt(M_TOP_PAD, kMost_bytes));
+    }
+
     template <typename Outcome, typename Campaign>
     [[nodiscard]] int run(Outcome sum, const Campaign& campaign) const {
+        keep_memory();
         antiskid::host::StopSignals signals;
         settings::Progress progress(campaigns, 0, "campaigns");
         settings::Json failed = settings::Json::array();

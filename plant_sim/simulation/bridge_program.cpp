@@ -19,9 +19,7 @@ using rig::record::Summary;
 
 namespace {
 
-// As Session and LiveFile have them.
-constexpr int kTail = 15;
-constexpr Time kIntroduction{500'000'000};
+// As LiveFile has them.
 constexpr Time kWrite{100'000'000};
 constexpr Time kSync{1'000'000'000};
 
@@ -34,11 +32,8 @@ BridgeProgram::BridgeProgram(const rig::bridge::BridgeSetup& setup, BridgeCampai
       machine_(std::move(machine)),
       books_(books),
       mistake_(mistake),
-      stamps_([this]() -> antiskid::can::ClockReading {
-          const Time now = machine_.now();
-          return {.wall_minus_monotonic = machine_.wall_minus_monotonic(now), .monotonic = now};
-      }),
-      listener_(setup.layout, setup.meter),
+      listener_(setup.layout, setup.meter,
+                [this]() -> antiskid::can::ClockReading { return {.wall_minus_monotonic = offset(), .monotonic = time()}; }),
       plc_(setup.map, std::move(line), [this] { return time(); }),
       node_(setup.layout, setup.meter.period_s, setup.limits, plc_, feed_, machine_.sends) {
     open();
@@ -46,7 +41,7 @@ BridgeProgram::BridgeProgram(const rig::bridge::BridgeSetup& setup, BridgeCampai
 
 void BridgeProgram::open() {
     const auto product = machine_.gate.product();
-    ledger_ = std::make_unique<rig::record::Ledger>(kSimulatedLedger, rig::record::LedgerOptions{.busy_timeout_ms = 0, .storage = machine_.storage});
+    ledger_ = std::make_unique<rig::record::Ledger>(kSimulatedLedger, rig::record::LedgerOptions{.busy_timeout_ms = 0, .storage = machine_.disk});
     const rig::record::Resumed resumed = ledger_->open_campaign({.name = kSimulatedCampaign,
                                                                  .scenario = setup_.scenario.name,
                                                                  .seed = setup_.options.seed,
@@ -68,6 +63,10 @@ Time BridgeProgram::time() const {
     return mistake_ == BridgeMistake::waits_by_wall_clock ? now + machine_.wall_minus_monotonic(now) : now;
 }
 
+Time BridgeProgram::offset() const {
+    return mistake_ == BridgeMistake::waits_by_wall_clock ? Time{} : machine_.wall_minus_monotonic(machine_.now());
+}
+
 std::string BridgeProgram::wall_text() const {
     const Time now = machine_.now();
     return rig::bridge::iso_8601(std::chrono::system_clock::time_point(now + machine_.wall_minus_monotonic(now)));
@@ -75,11 +74,11 @@ std::string BridgeProgram::wall_text() const {
 
 std::optional<Summary> BridgeProgram::meter(const Attempt& left) {
     if (mistake_ == BridgeMistake::forgets_energy_left) return std::nullopt;
-    if (!std::filesystem::exists(machine_.storage->status(left.folder / "bus.log"))) return std::nullopt;
+    if (!std::filesystem::exists(machine_.disk->status(left.folder / "bus.log"))) return std::nullopt;
     std::optional<PassingFile> file;
     {
         const auto simulation = machine_.gate.simulation();
-        file.emplace(log_bytes(left, *machine_.storage));
+        file.emplace(machine_.disk->bytes(left.folder / "bus.log"));
     }
     auto summary = rig::bridge::summary_of_left(setup_, left, file->path());
     if (!summary) return std::nullopt;
@@ -95,34 +94,30 @@ void BridgeProgram::poll() {
     plc_.client.round();
 }
 
-bool BridgeProgram::recording() const {
-    return run_ && run_->recording && run_->resting <= kTail;
-}
-
 void BridgeProgram::hear() {
-    std::vector<Frame>* const known = recording() ? &books_.of(attempt_).frames : nullptr;
+    rig::bridge::Recording* const recording = run_ && run_->maneuver.recording() ? run_->recording.get() : nullptr;
     std::array<Frame, 64> frames{};
+    std::array<rig::record::CapturedFrame, frames.size()> captured{};
     for (std::size_t count = frames.size(); count == frames.size();) {
         count = machine_.hears.receive(frames);
-        stamps_.next_batch();
         for (std::size_t i = 0; i < count; ++i) {
-            rig::record::CapturedFrame one{.frame = frames[i]};
-            one.frame.received += machine_.wall_minus_monotonic(frames[i].received);
-            const Time came = stamps_.monotonic(one.frame.received);
-            if (mistake_ == BridgeMistake::waits_by_wall_clock)
-                frames[i].received = one.frame.received;
-            else
-                frames[i].received = came;
-            listener_.accept(frames[i]);
-            if (known == nullptr) continue;
-            if (mistake_ == BridgeMistake::keeps_wall_clock_stamps) run_->recording->label = rig::record::StampLabel(one.frame.received - came);
-            run_->recording->take(one, came);
-            known->push_back(one.frame);
+            captured[i] = {.frame = frames[i]};
+            captured[i].frame.received += machine_.wall_minus_monotonic(frames[i].received);
         }
+        hear(std::span(captured).first(count), recording);
     }
     feed_.heard.up = machine_.hears.status().up;
-    listener_.tell(feed_.heard, time(), true);
+    listener_.tell(feed_.heard, time(), true, recording);
     if (run_ && run_->recording) write_files();
+}
+
+void BridgeProgram::hear(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording) {
+    if (mistake_ == BridgeMistake::keeps_wall_clock_stamps && recording != nullptr && !frames.empty())
+        recording->label = rig::record::StampLabel(machine_.wall_minus_monotonic(machine_.now()));
+    listener_.hear(frames, recording);
+    if (recording == nullptr) return;
+    std::vector<Frame>& known = books_.of(attempt_).frames;
+    for (const rig::record::CapturedFrame& one : frames) known.push_back(one.frame);
 }
 
 void BridgeProgram::write_files() {
@@ -137,22 +132,24 @@ void BridgeProgram::write_files() {
         if (run_->bus_log->error().empty()) books_.synced(attempt_);
         run_->modbus_csv->sync();
     }
-    feed_.heard.missing = run_->recording->log.missing();
-    if (feed_.heard.missing != 0) feed_.heard.recording_error = run_->recording->log.error();
 }
 
 const rig::bridge::Moment& BridgeProgram::step() {
-    rig::Sequencer* const sequencer = run_ && run_->sequencer ? &*run_->sequencer : nullptr;
-    const rig::bridge::Moment& moment = node_.step(
-        sequencer,
-        {.number = run_ ? attempt_.number : 0, .abort = run_ && !run_->record_error.empty(), .reset = mistake_ != BridgeMistake::leads_no_plc_back},
-        time());
-    if (sequencer != nullptr)
-        follow(moment);
-    else if (!run_)
+    rig::bridge::ManeuverRun* const maneuver = run_ ? &run_->maneuver : nullptr;
+    rig::Sequencer* const sequencer = maneuver != nullptr ? maneuver->sequencer() : nullptr;
+    const rig::bridge::Moment& moment = node_.step(sequencer,
+                                                   {.number = maneuver != nullptr ? attempt_.number : 0,
+                                                    .abort = maneuver != nullptr && !maneuver->record_error().empty(),
+                                                    .reset = mistake_ != BridgeMistake::leads_no_plc_back},
+                                                   time());
+    if (maneuver == nullptr) {
         begin();
-    else if (machine_.now() >= run_->introduced)
-        begin_record();
+    } else if (sequencer == nullptr) {
+        if (maneuver->ready(moment)) begin_record();
+    } else {
+        (void)maneuver->follow(moment, moment.now + moment.bus.wall_minus_monotonic, *run_->samples);
+        if (maneuver->over()) close();
+    }
     return moment;
 }
 
@@ -175,7 +172,7 @@ void BridgeProgram::begin() {
                                  .specimen = ledger_->specimen(),
                                  .taken_J = ledger_->cumulative_energy_J(),
                                  .view = std::nullopt},
-                     .introduced = machine_.now() + kIntroduction});
+                     .maneuver = rig::bridge::ManeuverRun(campaign_.plan, node_.moment().rig_s)});
 }
 
 void BridgeProgram::begin_record() {
@@ -183,51 +180,36 @@ void BridgeProgram::begin_record() {
     const Time now = machine_.now();
     Run& run = *run_;
     run.started = wall_text();
-    auto bus_log = std::make_unique<rig::record::AppendFile>(attempt_.folder / "bus.log", *machine_.storage);
+    auto bus_log = std::make_unique<rig::record::AppendFile>(attempt_.folder / "bus.log", *machine_.disk);
     run.bus_log = bus_log.get();
-    run.recording = std::make_unique<rig::bridge::Recording>(std::move(bus_log), setup_.options.interface, setup_.layout, setup_.meter,
-                                                             machine_.wall_minus_monotonic(now));
-    auto modbus_csv = std::make_unique<rig::record::AppendFile>(attempt_.folder / "modbus.csv", *machine_.storage);
+    run.recording = std::make_unique<rig::bridge::Recording>(std::move(bus_log), setup_.options.interface, setup_.layout, setup_.meter, offset());
+    auto modbus_csv = std::make_unique<rig::record::AppendFile>(attempt_.folder / "modbus.csv", *machine_.disk);
     run.modbus_csv = modbus_csv.get();
     run.samples = std::make_unique<rig::record::SampleLog>(std::move(modbus_csv));
     feed_.heard.wall_minus_monotonic = run.recording->label.of(Time{});
     feed_.heard.missing = 0;
     next_write_ = now + kWrite;
     next_sync_ = now + kSync;
-    run.sequencer.emplace(run.request.plan);
-}
-
-void BridgeProgram::follow(const rig::bridge::Moment& moment) {
-    Run& run = *run_;
-    if (run.resting <= kTail && moment.plc.counters.polls != std::exchange(run.polls, moment.plc.counters.polls))
-        run.samples->write(moment.now + moment.bus.wall_minus_monotonic, moment.plc.values);
-    const std::string lost = moment.bus.missing != 0 ? moment.bus.recording_error : run.samples->error();
-    if (!lost.empty() && run.resting <= kTail && run.record_error.empty()) run.record_error = lost;
-    const bool rests = moment.outputs.phase == Phase::cool_down || moment.outputs.phase == Phase::finished || moment.outputs.phase == Phase::aborted;
-    if (rests && run.resting <= kTail) ++run.resting;
-    if (run.sequencer->over() && run.resting > kTail) close();
+    run.maneuver.begin();
 }
 
 void BridgeProgram::close() {
     const auto product = machine_.gate.product();
     Run& run = *run_;
     const bool late = mistake_ == BridgeMistake::enters_before_it_is_synced;
-    bool whole = true;
     if (late)
         run.recording->log.flush();
     else
-        whole = run.recording->log.finish();
-    if (whole && !late) tell_books([&] { books_.synced(attempt_); });
-    whole = run.samples->finish() && whole;
-    if (!whole && run.record_error.empty()) run.record_error = run.recording->log.error() + run.samples->error();
-    Summary summary = rig::bridge::summary_of(setup_, run.request, *run.sequencer, run.started, *run.recording, run.record_error.empty());
+        run.maneuver.finish(run.recording->log, *run.samples);
+    const std::string lost = run.maneuver.record_error();
+    if (lost.empty() && !late) tell_books([&] { books_.synced(attempt_); });
+    Summary summary = rig::bridge::summary_of(setup_, run.request, *run.maneuver.sequencer(), run.started, *run.recording, lost.empty());
     if (left_J_ != 0.0) {
         summary.figures.energy_brake_J += std::exchange(left_J_, 0.0);
         summary.cumulative_energy_J = run.request.taken_J + rig::record::counted_energy_J(summary);
     }
     enter(summary);
-    if (late) (void)run.recording->log.finish();
-    const std::string lost = run.record_error;
+    if (late) run.maneuver.finish(run.recording->log, *run.samples);
     run_.reset();
     if (!lost.empty()) throw std::runtime_error("the record is not whole: " + lost);
     ++next_;
@@ -238,7 +220,7 @@ void BridgeProgram::enter(const Summary& summary) {
     const double counted_J = rig::record::counted_energy_J(summary);
     tell_books([&] { books_.of(attempt_).measured_J.insert(counted_J); });
     try {
-        rig::bridge::enter(*ledger_, attempt_.folder, summary, *machine_.storage);
+        rig::bridge::enter(*ledger_, attempt_.folder, summary, *machine_.disk);
     } catch (const rig::record::LedgerInDoubt&) {
         throw;
     } catch (const rig::record::LedgerError&) {

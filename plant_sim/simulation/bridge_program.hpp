@@ -1,18 +1,21 @@
 /// The bridge without its threads: main loop, client, listener, recorder and ledger, turn by turn on clocks and a disk that are handed in. It runs
-/// a campaign as `rig-bridge campaign` does, by the same parts; what that does on other threads is done at once here, between two steps.
+/// a campaign as `rig-bridge campaign` does, by the same parts (ManeuverRun, BusListener, Node, summary_of(), enter()); what is written on other
+/// threads there is written at once here, between two steps.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "firmware/can/bus.hpp"
-#include "firmware/can/wall_clock_offset.hpp"
 #include "plant_sim/simulation/allocation_gate.hpp"
 #include "plant_sim/simulation/campaign_books.hpp"
 #include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/maneuver_record.hpp"
+#include "rig_bridge/bridge/maneuver_run.hpp"
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/record/append_file.hpp"
 #include "rig_bridge/record/sample_log.hpp"
@@ -40,7 +43,7 @@ struct BridgeMachine {
     std::function<antiskid::can::Time()> now;  ///< monotonic
     /// Of the wall clock, at that time of the other.
     std::function<antiskid::can::Time(antiskid::can::Time)> wall_minus_monotonic;
-    std::shared_ptr<const settings::Storage> storage;
+    std::shared_ptr<const SimulatedDisk> disk;
     AllocationGate& gate;
 };
 
@@ -65,7 +68,7 @@ class BridgeProgram {
     const rig::bridge::Moment& step();
 
     /// None: it is between two.
-    [[nodiscard]] const rig::Sequencer* sequencer() const { return run_ && run_->sequencer ? &*run_->sequencer : nullptr; }
+    [[nodiscard]] const rig::Sequencer* sequencer() const { return run_ ? std::as_const(run_->maneuver).sequencer() : nullptr; }
     /// The newest that has begun; attempt 0: none has.
     [[nodiscard]] const rig::record::Attempt& attempt() const { return attempt_; }
     [[nodiscard]] bool complete() const { return complete_; }
@@ -84,16 +87,12 @@ class BridgeProgram {
     };
     struct Run {
         rig::bridge::ManeuverRequest request;
-        antiskid::can::Time introduced{};
-        std::optional<rig::Sequencer> sequencer{};  // none: the bridge makes itself known
+        rig::bridge::ManeuverRun maneuver;
         std::string started{};
         std::unique_ptr<rig::bridge::Recording> recording{};
         rig::record::AppendFile* bus_log = nullptr;  // the recording's
         rig::record::AppendFile* modbus_csv = nullptr;
         std::unique_ptr<rig::record::SampleLog> samples{};
-        std::uint64_t polls = 0;
-        int resting = 0;  // steps
-        std::string record_error{};
     };
 
     void tell_books(const std::function<void()>& what);
@@ -102,14 +101,14 @@ class BridgeProgram {
     [[nodiscard]] std::optional<std::int64_t> next_number() const;
     void begin();
     void begin_record();
-    void follow(const rig::bridge::Moment& moment);
+    void hear(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording);
     void write_files();
     void close();
     void enter(const rig::record::Summary& summary);
-    /// Of the main loop.
+    /// The monotonic clock as the program reads it, and what the wall clock is ahead of that.
     [[nodiscard]] antiskid::can::Time time() const;
+    [[nodiscard]] antiskid::can::Time offset() const;
     [[nodiscard]] std::string wall_text() const;
-    [[nodiscard]] bool recording() const;
 
     const rig::bridge::BridgeSetup& setup_;
     BridgeCampaign campaign_;
@@ -120,7 +119,6 @@ class BridgeProgram {
     std::int64_t next_ = 1;  // counts_by_itself
 
     std::unique_ptr<rig::record::Ledger> ledger_;
-    antiskid::can::WallClockOffset stamps_;
     rig::bridge::BusListener listener_;
     Client plc_;
     Feed feed_;

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/ledger_database.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
@@ -43,11 +43,6 @@ std::string PassingFile::path() const {
     return fmt::format("/proc/self/fd/{}", file_.get());
 }
 
-std::string log_bytes(const Attempt& attempt, const settings::Storage& storage) {
-    constexpr std::size_t kLargest = 256U << 20U;
-    return settings::read_file(attempt.folder / "bus.log", kLargest, storage);
-}
-
 CampaignBooks::CampaignBooks(std::shared_ptr<const SimulatedDisk> disk, Reading reading) : disk_(std::move(disk)), reading_(std::move(reading)) {}
 
 void CampaignBooks::synced(const Attempt& attempt) {
@@ -62,9 +57,9 @@ void CampaignBooks::finished(const Attempt& attempt, double counted_J) {
     known.finished_J = counted_J;
 }
 
-ReadLog CampaignBooks::read(const Attempt& attempt, const settings::Storage& storage) {
+ReadLog CampaignBooks::read(const Attempt& attempt) {
     Known& known = of(attempt);
-    std::string bytes = log_bytes(attempt, storage);
+    const std::string_view bytes = disk_->bytes(attempt.folder / "bus.log");
     if (known.log_read && bytes == known.log_bytes) return known.log;
     const PassingFile file(bytes);
     rig::replay::LogWarnings warnings("bus.log", {});
@@ -75,7 +70,7 @@ ReadLog CampaignBooks::read(const Attempt& attempt, const settings::Storage& sto
     log.steps_back = warnings.count(rig::replay::LogTrouble::time_backwards);
     log.damage_named = !warnings.damage().empty();
     known.log = reading_ ? reading_(log) : log;
-    known.log_bytes = std::move(bytes);
+    known.log_bytes = bytes;
     known.log_read = true;
     return known.log;
 }
@@ -140,7 +135,7 @@ void CampaignBooks::check_folder(const LedgerRow& row, const std::string& what) 
         if (known.synced > 0) violated(what + ": the recording is gone");
         return;
     }
-    const ReadLog log = read(row.attempt, *disk_);
+    const ReadLog log = read(row.attempt);
     if (log.damage_named) ++damaged_;
     if (log.in_order < known.synced) violated(fmt::format("{}: {} frames were on the disk, {} are left", what, known.synced, log.in_order));
     if (log.frames != log.in_order && !log.damage_named) violated(fmt::format("{}: damage in its recording that nobody names", what));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/can/frame.hpp"
@@ -39,9 +40,6 @@ class PassingFile {
     settings::FileDescriptor file_;
 };
 
-/// Of its bus.log. Throws settings::Error.
-[[nodiscard]] std::string log_bytes(const rig::record::Attempt& attempt, const settings::Storage& storage);
-
 class CampaignBooks {
   public:
     /// What is believed of a log.
@@ -68,7 +66,7 @@ class CampaignBooks {
     void finished(const rig::record::Attempt& attempt, double counted_J);
     void refused(const rig::record::Attempt& attempt) { of(attempt).entry_refused = disk_->runs(); }
 
-    [[nodiscard]] ReadLog read(const rig::record::Attempt& attempt, const settings::Storage& storage);
+    [[nodiscard]] ReadLog read(const rig::record::Attempt& attempt);
 
     /// What does not hold, by the disk as it is now and nobody's storage in between.
     [[nodiscard]] std::vector<std::string> check();

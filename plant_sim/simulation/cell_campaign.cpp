@@ -8,11 +8,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "firmware/can/controller_port.hpp"
-#include "firmware/control/controller.hpp"
 #include "firmware/host/seconds.hpp"
 #include "plant_sim/serve_node.hpp"
 #include "plant_sim/simulation/cell_judge.hpp"
+#include "plant_sim/simulation/controller_program.hpp"
 #include "plant_sim/simulation/energy_account.hpp"
 #include "plant_sim/simulation/fault_timeline.hpp"
 #include "plant_sim/simulation/faulty_bus.hpp"
@@ -61,7 +60,8 @@ class CellCampaign {
           rig_(setup.bridge.scenario.rig, setup.machinery, seed),
           serving_(rig_, layout_, at_rig_, clock_, period_, [this](plc::ServedRig& rig) { exchange(rig); }),
           judge_(setup, plan_, rig_, [this](const std::string& what) { violated(what); }),
-          faults_(faults) {
+          faults_(faults),
+          controller_(setup.controller, layout_, period_, at_controller_) {
         disk_->use(gate_);
         bridge_hears_.on_computer_of(bridge_sends_);
     }
@@ -110,7 +110,7 @@ class CellCampaign {
         judge_.look({.now = now,
                      .loop_lives = bridge_ && now >= bridge_away_ && now >= loop_away_,
                      .plc_answers = line_.reachable && !frozen_,
-                     .controller_lives = controller_ && now >= controller_away_,
+                     .controller_lives = controller_.runs() && now >= controller_away_,
                      .open = open_,
                      .sequencer = bridge_ ? bridge_->sequencer() : nullptr});
     }
@@ -136,7 +136,7 @@ class CellCampaign {
         const Time until = clock_.now() + duration(fault.lasts_s);
         switch (fault.fault) {
             case CellFault::controller_killed:
-                controller_.reset();
+                controller_.kill();
                 controller_away_ = until;
                 break;
             case CellFault::controller_stopped:
@@ -193,28 +193,9 @@ class CellCampaign {
     // --- the programs ---
 
     void controller_turn() {
-        if (clock_.now() < controller_away_) {
-            ++missed_;
-            return;
-        }
-        if (!controller_) {
-            controller_.emplace(setup_.controller);
-            port_.emplace(layout_, period_);
-            judge_.starts_anew();
-            missed_ = 0;
-        }
-        std::array<Frame, 64> frames{};
-        for (std::size_t count = frames.size(); count == frames.size();) {
-            count = at_controller_.receive(frames);
-            for (std::size_t i = 0; i < count; ++i) port_->accept(frames[i]);
-        }
-        port_->note_link(at_controller_.status());
-        port_->note_missed_periods(std::exchange(missed_, 0U));
-        const antiskid::control::Command command = controller_->step(port_->sensors(), clock_.now());
-        port_->clear_one_shots();
-        std::array<Frame, antiskid::can::ControllerPort::kMaxFrames> due{};
-        const auto all = std::span(due).first(port_->due_frames(command, due));
-        if (at_controller_.send_all(all) == 0 && !all.empty()) port_->note_command_unsent();
+        if (clock_.now() < controller_away_) return controller_.miss();
+        if (!controller_.runs()) judge_.starts_anew();
+        controller_.period(clock_.now());
     }
 
     /// However it ends. What it has on the disk is looked at before the next one comes.
@@ -225,7 +206,7 @@ class CellCampaign {
         apply();
         bridge_away_ = until;
         if (disk_->power_cut()) {
-            controller_.reset();
+            controller_.kill();
             controller_away_ = until;
         }
         if (!disk_->runs()) disk_->restart();
@@ -245,7 +226,7 @@ class CellCampaign {
                                                           .hears = bridge_hears_,
                                                           .now = [this] { return clock_.now(); },
                                                           .wall_minus_monotonic = [this](Time at) { return clock_.wall_minus_monotonic(at); },
-                                                          .storage = disk_,
+                                                          .disk = disk_,
                                                           .gate = *gate_},
                                             std::make_unique<SimulatedLine>(bank_, setup_.bridge.map.link, line_, draw_), books_, setup_.mistake);
     }
@@ -357,8 +338,7 @@ class CellCampaign {
     CellJudge judge_;
     FaultTimeline faults_;
 
-    std::optional<antiskid::control::Controller> controller_;
-    std::optional<antiskid::can::ControllerPort> port_;
+    ControllerProgram controller_;
     Time controller_away_{};
 
     std::unique_ptr<BridgeProgram> bridge_;
@@ -368,8 +348,7 @@ class CellCampaign {
     std::int64_t sound_attempts_ = 0;
     CellOutcome out_;
 
-    unsigned open_ = 0;         // interlocks
-    std::uint32_t missed_ = 0;  // periods of the controller
+    unsigned open_ = 0;  // interlocks
     Phase phase_ = Phase::finished;
     bool frozen_ = false;  // the PLC's registers
     bool complete_ = false;

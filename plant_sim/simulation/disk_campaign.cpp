@@ -179,7 +179,7 @@ class DiskCampaign {
 
     std::optional<Summary> meter(const Attempt& left) {
         if (!std::filesystem::exists(storage_->status(left.folder / "bus.log"))) return std::nullopt;
-        const ReadLog log = books_.read(left, *storage_);
+        const ReadLog log = books_.read(left);
         Summary summary = summary_of(left, "unfinished");
         summary.figures.energy_brake_J = static_cast<double>(log.frames);
         summary.frames = log.frames;

@@ -13,7 +13,8 @@
 
 namespace plant_sim::simulation {
 
-/// `late`: by up to kMaxLate, so that others overtake it. `damaged`: one to three bits of its data, which a CRC of 8 bits always shows.
+/// `late`: by up to kMaxLate, so that others overtake it. `damaged`: one to three bits of its data, which a CRC of 8 bits
+/// shows, but for a fiftieth of the frames of four bytes.
 enum class FrameFault : std::uint8_t { lost, late, doubled, damaged };
 inline constexpr std::size_t kFrameFaults = 4;
 

@@ -1,6 +1,7 @@
 #include "plant_sim/simulation/remade_figures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "plant_sim/simulation/campaign_books.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
@@ -13,16 +14,19 @@ std::vector<std::string> RemadeFigures::check(std::span<const rig::record::Ledge
     std::vector<std::string> wrong;
     for (const rig::record::LedgerRow& row : rows) {
         if (row.state != rig::record::RowState::finished || !seen_.insert(row.attempt.folder).second) continue;
-        const PassingFile file(log_bytes(row.attempt, *storage_));
+        const PassingFile file(disk_->bytes(row.attempt.folder / "bus.log"));
         rig::replay::LogWarnings warnings("bus.log", {});
-        const rig::record::Figures made =
-            rig::replay::meter_log(file.path(), setup_.layout, setup_.meter, rig::replay::LogEnd::closed, warnings).figures;
-        const rig::record::Figures written = rig::record::read_summary(row.attempt.folder / "summary.json", *storage_).figures;
+        const rig::replay::MeteredLog made = rig::replay::meter_log(file.path(), setup_.layout, setup_.meter, rig::replay::LogEnd::closed, warnings);
+        const rig::record::Summary written = rig::record::read_summary(row.attempt.folder / "summary.json", *disk_);
+        const std::string what = fmt::format("maneuver {}, attempt {}", row.attempt.number, row.attempt.attempt);
         for (const rig::record::FigureField& field : rig::record::kFigureFields)
-            for (const auto& [where, figures] : {std::pair{"summary.json", &written}, std::pair{"the ledger", &row.summary.figures}})
-                if (figures->*field.value != made.*field.value)
-                    wrong.push_back(fmt::format("maneuver {}, attempt {}: {} has {} = {}, its recording says {}", row.attempt.number,
-                                                row.attempt.attempt, where, field.key, figures->*field.value, made.*field.value));
+            for (const auto& [where, figures] : {std::pair{"summary.json", &written.figures}, std::pair{"the ledger", &row.summary.figures}})
+                if (figures->*field.value != made.figures.*field.value)
+                    wrong.push_back(fmt::format("{}: {} has {} = {}, its recording says {}", what, where, field.key, figures->*field.value,
+                                                made.figures.*field.value));
+        if (written.warnings != made.warnings)
+            wrong.push_back(fmt::format("{}: summary.json warns of '{}', its recording of '{}'", what, fmt::join(written.warnings, "; "),
+                                        fmt::join(made.warnings, "; ")));
     }
     return wrong;
 }

@@ -1,4 +1,4 @@
-/// Figures that are made again from the recording of a finished maneuver, against those of its summary and of the ledger.
+/// Figures and warnings that are made again from the recording of a finished maneuver, against those of its summary and of the ledger.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/host/settings/storage.hpp"
+#include "plant_sim/simulation/simulated_disk.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
@@ -17,15 +17,14 @@ namespace plant_sim::simulation {
 class RemadeFigures {
   public:
     /// `setup` must outlive it.
-    RemadeFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const settings::Storage> storage)
-        : setup_(setup), storage_(std::move(storage)) {}
+    RemadeFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const SimulatedDisk> disk) : setup_(setup), disk_(std::move(disk)) {}
 
-    /// Which rows have other figures, of those that were not looked at before.
+    /// Which rows have others, of those that were not looked at before.
     [[nodiscard]] std::vector<std::string> check(std::span<const rig::record::LedgerRow> rows);
 
   private:
     const rig::bridge::BridgeSetup& setup_;
-    std::shared_ptr<const settings::Storage> storage_;
+    std::shared_ptr<const SimulatedDisk> disk_;
     std::set<std::filesystem::path> seen_;
 };
 

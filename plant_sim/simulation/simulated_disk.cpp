@@ -121,6 +121,11 @@ void SimulatedDisk::restart() const {
     state_->restart();
 }
 
+std::string_view SimulatedDisk::bytes(const fs::path& path) const {
+    const NodePointer node = state_->find(path.string());
+    return node ? std::string_view(node->now) : std::string_view();
+}
+
 settings::Opened SimulatedDisk::open(const fs::path& path) const {
     const auto scope = state_->gate->simulation();
     if (!state_->runs) return {.file = nullptr, .error = EIO};

@@ -68,6 +68,9 @@ class SimulatedDisk final : public settings::Storage {
     /// The next program can begin. Cuts the power first where no strike has ended the one before.
     void restart() const;
 
+    /// Of a file as a program reads it now, without the copies that reading makes; until anything is changed. Empty: there is none.
+    [[nodiscard]] std::string_view bytes(const std::filesystem::path& path) const;
+
     [[nodiscard]] settings::Opened open(const std::filesystem::path& path) const override;
     [[nodiscard]] settings::Opened create(const std::filesystem::path& path) const override;
     [[nodiscard]] int make_directory(const std::filesystem::path& path) const override;

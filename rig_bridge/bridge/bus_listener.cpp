@@ -1,17 +1,37 @@
 #include "rig_bridge/bridge/bus_listener.hpp"
 
+#include <utility>
+
 namespace rig::bridge {
 
 using antiskid::can::Role;
 using antiskid::can::Time;
 
-BusListener::BusListener(const antiskid::can::Layout& layout, const record::MeterParameters& parameters)
-    : parameters_(parameters),
+BusListener::BusListener(const antiskid::can::Layout& layout, const record::MeterParameters& parameters, antiskid::can::WallClockOffset::Clock clocks,
+                         Lockstep* lockstep)
+    : layout_(layout),
+      parameters_(parameters),
+      lockstep_(lockstep),
+      stamps_(std::move(clocks)),
       live_(layout),
       status_(layout, Role::status),
       senders_(layout),
       wheel_(parameters.wheel_teeth),
       flywheel_(parameters.flywheel_teeth) {}
+
+void BusListener::hear(std::span<record::CapturedFrame> frames, Recording* recording) {
+    stamps_.next_batch();
+    for (record::CapturedFrame& one : frames) {
+        const Time came = stamps_.monotonic(one.frame.received);
+        if (recording != nullptr) recording->take(one, came);
+        if (!one.plain()) continue;
+        if (lockstep_ != nullptr) lockstep_->hear(one.frame);
+        if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
+        antiskid::can::Frame heard = one.frame;
+        heard.received = lockstep_ == nullptr ? came : lockstep_->now();
+        accept(heard);
+    }
+}
 
 void BusListener::accept(const antiskid::can::Frame& frame) {
     (void)live_.accept(frame);
@@ -19,7 +39,7 @@ void BusListener::accept(const antiskid::can::Frame& frame) {
     senders_.accept(frame);
 }
 
-void BusListener::tell(BusNow& now, Time time, bool drained) {
+void BusListener::tell(BusNow& now, Time time, bool drained, const Recording* recording) {
     constexpr Time kLately{200'000'000};
     const antiskid::can::BusView& view = live_.view();
     now.view = view;
@@ -34,6 +54,12 @@ void BusListener::tell(BusNow& now, Time time, bool drained) {
     now.wheel_radps = wheel_.radps();
     now.wheel_rim_mps = now.wheel_radps * radius_m;
     now.slip = now.rim_mps > 0.0 ? 1.0 - now.wheel_rim_mps / now.rim_mps : 0.0;
+    now.syncs = lockstep_ == nullptr ? syncs_ : lockstep_->syncs();
+    if (recording == nullptr) return;
+    now.frames = recording->log.frames();
+    now.dropped = recording->dropped;
+    now.missing = recording->log.missing();
+    if (now.missing != 0) now.recording_error = recording->log.error();
 }
 
 }  // namespace rig::bridge

@@ -8,7 +8,6 @@
 
 namespace rig::bridge {
 
-using antiskid::can::Role;
 using antiskid::can::Time;
 
 namespace {
@@ -31,8 +30,7 @@ BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layo
       lockstep_(lockstep),
       last_turn_(steady_now()),
       capture_(std::make_unique<record::Capture>(interface)),
-      listener_(layout_, parameters),
-      stamps_(antiskid::can::WallMinusMonotonic{}) {
+      listener_(layout_, parameters, antiskid::can::WallMinusMonotonic{}, lockstep) {
     if (lockstep_ == nullptr) thread_ = std::thread([this] { run(); });
 }
 
@@ -78,20 +76,6 @@ void BusRecorder::change_record() {
     }
 }
 
-void BusRecorder::hear(std::span<const record::CapturedFrame> frames, bool drained) {
-    stamps_.next_batch();
-    for (record::CapturedFrame one : frames) {
-        const Time came = stamps_.monotonic(one.frame.received);
-        if (recording_) recording_->take(one, came);
-        if (!one.plain()) continue;
-        if (lockstep_ != nullptr) lockstep_->hear(one.frame);
-        if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
-        one.frame.received = lockstep_ == nullptr ? came : lockstep_->now();
-        listener_.accept(one.frame);
-    }
-    publish(drained);
-}
-
 void BusRecorder::publish(bool drained) {
     const record::CaptureStatus status =
         capture_ ? capture_->status() : record::CaptureStatus{.up = false, .gone = true, .interface_error = capture_error_};
@@ -102,13 +86,7 @@ void BusRecorder::publish(bool drained) {
     const std::lock_guard lock(mutex_);
     now_.up = status.up;
     now_.error = status.interface_error;
-    listener_.tell(now_, time(), drained);
-    now_.syncs = lockstep_ == nullptr ? syncs_ : lockstep_->syncs();
-    if (!recording_) return;
-    now_.frames = recording_->log.frames();
-    now_.dropped = recording_->dropped;
-    now_.missing = recording_->log.missing();
-    if (now_.missing != 0) now_.recording_error = recording_->log.error();
+    listener_.tell(now_, time(), drained, recording_.get());
 }
 
 /// A socket on an interface that was removed stays dead: a new one, as soon as there is an interface again.
@@ -137,8 +115,9 @@ bool BusRecorder::hear_batch() {
         keep_capture();
         housekeeping_();
     }
-    const auto frames = capture_ ? capture_->receive() : std::span<const record::CapturedFrame>{};
-    hear(frames, frames.size() < record::Capture::kBatch);
+    const auto frames = capture_ ? capture_->receive() : std::span<record::CapturedFrame>{};
+    listener_.hear(frames, recording_.get());
+    publish(frames.size() < record::Capture::kBatch);
     return frames.size() == record::Capture::kBatch;
 }
 

@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "firmware/can/layout.hpp"
-#include "firmware/can/wall_clock_offset.hpp"
 #include "firmware/can/wall_minus_monotonic.hpp"
 #include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
@@ -49,7 +48,6 @@ class BusRecorder final : public BusFeed {
     [[nodiscard]] antiskid::can::Time time() const;
     /// What has arrived; whether there may be more.
     bool hear_batch();
-    void hear(std::span<const record::CapturedFrame> frames, bool drained);
     void publish(bool drained);
     void change_record();
     void keep_capture();
@@ -67,8 +65,6 @@ class BusRecorder final : public BusFeed {
     std::unique_ptr<record::Capture> capture_;
     BusListener listener_;
     std::unique_ptr<Recording> recording_;
-    antiskid::can::WallClockOffset stamps_;
-    std::uint64_t syncs_ = 0;
     std::uint64_t dropped_before_ = 0;  // by captures that are no more
     std::string capture_error_;
 

@@ -46,10 +46,6 @@ std::string how_it_was(Phase phase, const Moment& moment) {
     return note.empty() ? text : text + ", " + note;
 }
 
-bool rests(Phase phase) {
-    return phase == Phase::cool_down || phase == Phase::finished || phase == Phase::aborted;
-}
-
 }  // namespace
 
 Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, panel::LiveFeed* feed)
@@ -146,59 +142,35 @@ void Session::present(const ViewModel& view, const Moment& moment) {
     if (feed_ != nullptr && feed_->state_due(now_s)) feed_->state(panel_state(view, moment), now_s);
 }
 
-void Session::await_cold_brake(const ManeuverRequest& request) {
-    constexpr double kFirstReading_s = 3.0;
-    // The controller refuses the first frames of a bridge whose counters go on elsewhere than those of the last one: it needs a few
-    // heartbeats before it may be armed.
-    constexpr double kIntroduction_s = 0.5;
+void Session::await_ready(const ManeuverRequest& request, const ManeuverRun& run) {
     while (stops_.count() == 0) {
         const Moment& m = step(nullptr, &request);
-        const double waited_s = m.rig_s - began_s_;
-        if (waited_s < kIntroduction_s) {
-            show(request, m, "");
-            continue;
-        }
-        if (!m.inputs.plc_fresh && waited_s > kFirstReading_s) return;  // the sequencer says so
-        const bool hot = m.inputs.brake_temperature_C > std::min(request.plan.cool_to_C, request.plan.brake_on_limit_C);
-        if (m.inputs.plc_fresh && (!hot || waited_s > request.plan.cool_down_limit_s)) return;
-        show(request, m, m.inputs.plc_fresh ? "waits for the brake to cool" : "waits for the PLC");
+        if (run.ready(m)) return;
+        show(request, m, run.waits_for(m));
     }
 }
 
-void Session::write_sample(record::SampleLog& samples, const Moment& moment) {
-    if (moment.plc.counters.polls == polls_) return;
-    polls_ = moment.plc.counters.polls;
-    // A label of real time, as in bus.log, also in lockstep.
-    const Time now = lockstep_ ? clock_.now() : moment.now;
-    samples.write(now + moment.bus.wall_minus_monotonic, moment.plc.values);
-}
-
-void Session::sequence(const ManeuverRequest& request, rig::Sequencer& sequencer, record::SampleLog& samples) {
-    constexpr int kTail = 15;  // steps, so that the record has the last phase
-    int resting = 0;
-    Phase before = sequencer.phase();
+void Session::sequence(const ManeuverRequest& request, ManeuverRun& run, record::SampleLog& samples) {
+    Phase before = Phase::idle;
     Phase ended = before;  // by the abort
     aborted_by_ = rig::Abort::none;
-    while (!sequencer.over() || resting <= kTail) {
-        const Moment& m = step(&sequencer, &request);
+    while (!run.over()) {
+        const Moment& m = step(run.sequencer(), &request);
         trace_.record(m);
-        if (resting <= kTail) write_sample(samples, m);
-        const std::string lost = m.bus.missing != 0 ? m.bus.recording_error : samples.error();
-        if (!lost.empty() && resting <= kTail && record_error_.empty()) {
-            record_error_ = lost;
-            abort_ = true;
-        }
-        if (sequencer.abort() != aborted_by_) {
+        // A label of real time, as in bus.log, also in lockstep.
+        if (run.follow(m, (lockstep_ ? clock_.now() : m.now) + m.bus.wall_minus_monotonic, samples)) recorder_.end();
+        record_error_ = run.record_error();
+        abort_ = !record_error_.empty();
+        if (m.outputs.abort != aborted_by_) {
             if (aborted_by_ == rig::Abort::none) ended = before;
-            aborted_by_ = sequencer.abort();
+            aborted_by_ = m.outputs.abort;
             note_ = how_it_was(ended, m);
             advice_ = advice(aborted_by_, ended, m.bus.view.controller.faults);
             if (const std::string note = note_of(m); !note.empty()) advice_ += "\n  " + note;
             if (!setup_.options.quiet) terminal_.ring();
             terminal_.say("rig-bridge: " + advice_);
         }
-        before = sequencer.phase();
-        if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
+        before = m.outputs.phase;
         show(request, m, record_error_);
     }
 }
@@ -249,30 +221,30 @@ Ran Session::run(const ManeuverRequest& request) {
     trace_ = {};
     phase_ = Phase::idle;
     began_s_ = phase_began_s_ = step(nullptr, &request).rig_s;
-    await_cold_brake(request);
+    ManeuverRun run(request.plan, began_s_);
+    await_ready(request, run);
 
-    rig::Sequencer sequencer(request.plan);
+    run.begin();
     const std::string started = iso_8601(std::chrono::system_clock::now());
     recorder_.begin(request.folder / "bus.log");
     constexpr std::size_t kQueue_bytes = std::size_t{1} << 20U;  // a minute
     record::SampleLog samples(
         std::make_unique<record::LiveFile>(request.folder / "modbus.csv", record::LiveFileOptions{.queue_bytes = kQueue_bytes}));
-    sequence(request, sequencer, samples);
+    sequence(request, run, samples);
     Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_, .advice = advice_, .outside = {}};
     ran.trace = std::move(trace_);
     std::unique_ptr<Recording> recording;
     while (!recording) {
-        (void)step(&sequencer, &request);
+        (void)step(run.sequencer(), &request);
         recording = recorder_.take();
     }
-    bool whole = true;
-    meanwhile([&] { whole = recording->log.finish() && samples.finish(); }, &sequencer, &request);
+    meanwhile([&] { run.finish(recording->log, samples); }, run.sequencer(), &request);
     terminal_.leave();
-    if (!whole) record_error_ = recording->log.error().empty() ? samples.error() : recording->log.error();
+    record_error_ = run.record_error();
     ran.record_error = record_error_;
 
-    ran.summary = summary_of(setup_, request, sequencer, started, *recording, record_error_.empty());
-    if (sequencer.phase() == Phase::finished) ran.outside = what_is_outside(acceptance(setup_.scenario, request.plan), ran.summary.figures);
+    ran.summary = summary_of(setup_, request, *run.sequencer(), started, *recording, record_error_.empty());
+    if (run.sequencer()->phase() == Phase::finished) ran.outside = what_is_outside(acceptance(setup_.scenario, request.plan), ran.summary.figures);
     return ran;
 }
 

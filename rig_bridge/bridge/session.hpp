@@ -19,6 +19,7 @@
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/maneuver_record.hpp"
+#include "rig_bridge/bridge/maneuver_run.hpp"
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/trace.hpp"
@@ -68,15 +69,14 @@ class Session {
   private:
     class ModbusPlc;
     const Moment& step(rig::Sequencer* sequencer, const ManeuverRequest* request);
-    void await_cold_brake(const ManeuverRequest& request);
+    void await_ready(const ManeuverRequest& request, const ManeuverRun& run);
     void meanwhile(const std::function<void()>& work, rig::Sequencer* sequencer, const ManeuverRequest* request);
     void show(const ManeuverRequest& request, const Moment& moment, const std::string& waiting_for);
     /// Of whom a view is wanted now: terminal or panel.
     [[nodiscard]] bool view_due(const Moment& moment, rig::Phase phase, rig::Abort abort) const;
     void present(const ViewModel& view, const Moment& moment);
     void tell_panel(const Moment& moment, bool resting);
-    void sequence(const ManeuverRequest& request, rig::Sequencer& sequencer, record::SampleLog& samples);
-    void write_sample(record::SampleLog& samples, const Moment& moment);
+    void sequence(const ManeuverRequest& request, ManeuverRun& run, record::SampleLog& samples);
 
     const BridgeSetup& setup_;
     antiskid::host::StopSignals& stops_;
@@ -98,7 +98,6 @@ class Session {
     std::string note_;
     std::string advice_;
     Trace trace_;
-    std::uint64_t polls_ = 0;
     double began_s_ = 0.0;
     double phase_began_s_ = 0.0;
     rig::Phase phase_ = rig::Phase::idle;

@@ -9,11 +9,16 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/record/sample_stream.hpp"
 
 namespace rig::record {
+
+/// The end of a warning that bounds what the brake took beyond the figures.
+[[nodiscard]] std::string in_no_record(double max_J);
 
 class BusMeter {
   public:
@@ -26,7 +31,11 @@ class BusMeter {
     void accept(const antiskid::can::Frame& frame);
 
     [[nodiscard]] Figures figures() const { return meter_.figures(); }
-    [[nodiscard]] std::vector<std::string> warnings() const { return meter_.warnings(); }
+    /// Those of the meter, and of a record that has come to its end with a brake that nobody saw released: "ends_unheard: at 9.5 m/s, and the brake
+    /// may have taken up to 0.11 MJ that are in no record".
+    [[nodiscard]] std::vector<std::string> warnings() const;
+    /// The brake has come on, and nobody saw it released.
+    [[nodiscard]] bool open() const { return meter_.open() || (braked_ && !meter_.started()); }
     [[nodiscard]] const Meter& meter() const { return meter_; }
     [[nodiscard]] const antiskid::can::BusView& view() const { return samples_.view(); }
     [[nodiscard]] const antiskid::can::Observer& observer() const { return samples_.observer(); }
@@ -42,8 +51,7 @@ class BusMeter {
     SampleStream samples_;
     Meter meter_;
     antiskid::control::FaultSet faults_;
-    bool wheel_reported_ = false, flywheel_reported_ = false,
-         load_cells_reported_ = false;  // since the newest sample
+    bool wheel_reported_ = false, flywheel_reported_ = false, load_cells_reported_ = false, braked_ = false;  // since the newest sample
 };
 
 }  // namespace rig::record

@@ -75,7 +75,7 @@ Capture::~Capture() {
     close(socket_);
 }
 
-std::span<const CapturedFrame> Capture::receive() {
+std::span<CapturedFrame> Capture::receive() {
     for (mmsghdr& header : batch_->headers) header.msg_hdr.msg_controllen = Batch::kControl;
     const int received = recvmmsg(socket_, batch_->headers.data(), kBatch, MSG_DONTWAIT, nullptr);
     if (received < 0) {

@@ -43,7 +43,7 @@ class Capture {
     Capture& operator=(const Capture&) = delete;
 
     /// What has arrived, oldest first, at most kBatch frames; valid until the next call. Never waits.
-    [[nodiscard]] std::span<const CapturedFrame> receive();
+    [[nodiscard]] std::span<CapturedFrame> receive();
     /// Waits until something can be received or the link's state changed; false on time-out.
     [[nodiscard]] bool wait(antiskid::can::Time timeout);
 

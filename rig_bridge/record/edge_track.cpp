@@ -26,7 +26,7 @@ void EdgeTrack::update(std::uint32_t edge_count, Time edge_time, double now_s, c
         strange_.reset();
         return;
     }
-    if (was_said(fresh, roll_over)) return;
+    if (lies_behind(fresh, roll_over)) return;
     const Step since = strange_ ? between(*strange_, fresh, roll_over) : Step{};
     if (strange_ && since.edges == 0 && since.time == Time{}) {
         if (now_s - strange_->first_s > limits_.late_s) start_anew();
@@ -49,12 +49,12 @@ EdgeTrack::Step EdgeTrack::between(const Report& before, const Report& after, co
 
 bool EdgeTrack::follows(const Report& before, const Step& step, double now_s) const {
     if (step.edges == 0) return true;
-    if (step.edges - 1.0 > limits_.edges_per_s * (now_s - before.newest_s + limits_.late_s)) return false;
-    // Of the first report's edge nobody knows how old it was: there `before_s` is minus infinity.
-    return seconds(step.time) <= now_s - before.before_s + limits_.late_s;
+    if (step.edges - 1.0 > limits_.edges_per_s * (now_s - before.newest_s + before.late_s + limits_.late_s)) return false;
+    // Of the first report's edge nobody knows how old it was: there `before_s` is minus infinity. One that came late may be older than that.
+    return seconds(step.time) <= now_s - std::min(before.before_s, before.first_s - before.late_s) + limits_.late_s;
 }
 
-bool EdgeTrack::was_said(const Report& report, const RollOver& roll_over) const {
+bool EdgeTrack::lies_behind(const Report& report, const RollOver& roll_over) const {
     const Step back = between(report, last_, roll_over);
     std::size_t near = 0, far = count();
     while (near < far) {
@@ -64,10 +64,14 @@ bool EdgeTrack::was_said(const Report& report, const RollOver& roll_over) const 
         else
             far = age;
     }
-    if (near == count() || edge(0).edges - edge(near).edges != back.edges) return false;
-    const auto off_ns = static_cast<double>((edge(0).time - edge(near).time - back.time).count());
+    if (near == count()) return false;
+    const Edge& older = edge(near);
+    const Edge& newer = edge(0).edges - older.edges == back.edges ? older : edge(near - 1);
+    const auto since_ns = static_cast<double>((edge(0).time - older.time - back.time).count());
     const auto span_ns = static_cast<double>(roll_over.time.count());
-    return std::abs(span_ns > 0.0 ? std::remainder(off_ns, span_ns) : off_ns) <= kRounding_ns;
+    const double spans = span_ns > 0.0 ? std::floor((since_ns + kRounding_ns) / span_ns) : 0.0;
+    const double since_older_ns = since_ns - spans * span_ns;
+    return since_older_ns >= -kRounding_ns && since_older_ns <= static_cast<double>((newer.time - older.time).count()) + kRounding_ns;
 }
 
 void EdgeTrack::take(const Step& step, const Report& report) {
@@ -84,6 +88,7 @@ void EdgeTrack::take(const Step& step, const Report& report) {
     const double clock_s = report.first_s - seconds(time);
     clock_s_ = clock_known_ ? std::min(clock_s_, clock_s) : clock_s;
     clock_known_ = true;
+    last_.late_s = clock_s - clock_s_;
 }
 
 void EdgeTrack::keep(std::uint64_t edges, Time edge_time) {

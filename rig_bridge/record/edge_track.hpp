@@ -3,8 +3,8 @@
 ///
 /// No encoder makes more edges in a time than its fastest speed allows, and no edge is stamped later than it is reported. A report
 /// that breaks either is no motion: once the reports after it go on from it (or it stands), the sensor has started anew, and the way
-/// goes on from there without a gap; a single one is dropped. So is any that the sensor has said already, edge and stamp, one of the last
-/// kKept that brought edges: a replayed frame.
+/// goes on from there without a gap; a single one is dropped. So is any that lies on the way that is known, by edge and stamp, as far back as the
+/// last kKept reports that brought edges: a frame that was replayed, or overtaken by others.
 #pragma once
 
 #include <array>
@@ -56,6 +56,8 @@ class EdgeTrack {
     [[nodiscard]] double stamp_s() const;
     /// Counts up by one with every update() that brought an edge.
     [[nodiscard]] std::uint64_t news() const { return size_; }
+    /// When the newest report came that is part of the motion; before the first minus infinity.
+    [[nodiscard]] double heard_s() const { return last_.newest_s; }
     /// Times that the sensor started anew.
     [[nodiscard]] std::uint64_t restarts() const { return restarts_; }
 
@@ -80,8 +82,9 @@ class EdgeTrack {
         std::uint32_t count = 0;
         Time edge_time{};
         double first_s = 0.0;                                        ///< when its edge was reported first
-        double newest_s = 0.0;                                       ///< and last
+        double newest_s = -std::numeric_limits<double>::infinity();  ///< and last
         double before_s = -std::numeric_limits<double>::infinity();  ///< its edge came after this
+        double late_s = 0.0;                                         ///< than the promptest
         std::uint32_t without_edge = 0;                              ///< reports since
     };
     /// From one report to another.
@@ -91,7 +94,7 @@ class EdgeTrack {
     };
     [[nodiscard]] static Step between(const Report& before, const Report& after, const RollOver& roll_over);
     [[nodiscard]] bool follows(const Report& before, const Step& step, double now_s) const;
-    [[nodiscard]] bool was_said(const Report& report, const RollOver& roll_over) const;
+    [[nodiscard]] bool lies_behind(const Report& report, const RollOver& roll_over) const;
     void take(const Step& step, const Report& report);
     void keep(std::uint64_t edges, Time edge_time);
     void start_anew();

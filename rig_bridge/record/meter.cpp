@@ -77,6 +77,7 @@ void Meter::Shaft::update(const ShaftSample& sample, double now_s, double scale)
         speed_ = track_.speed(kWindow_s);
         return;
     }
+    if (sample.reported) heard_s_ = now_s;
     const double speed = sample.speed_radps * scale;
     if (started_) way_ += 0.5 * (speed + speed_) * (now_s - last_s_);
     if (speed > kStands) {
@@ -115,11 +116,16 @@ void Meter::feed(const MeterSample& sample) {
         wheel_.measure_clock_again();
         flywheel_.measure_clock_again();
     }
+    const bool begins = (sample.phase == kBraking || sample.braked) && (!fed_ || last_.phase != kBraking);
+    // The brake came on while nothing was heard: it counts from the speeds before that.
+    const bool unseen = begins && fed_ && (sample.phase != kBraking || sample.time_s - last_.time_s > kBrakeOnWindow_s);
+    if (unseen) start(last_);
     wheel_.update(sample.wheel, sample.time_s, 1.0);
     flywheel_.update(sample.flywheel, sample.time_s, parameters_.flywheel_radius_m);
     flywheel_speed_ = flywheel_.speed();
+    if (!hears(flywheel_, sample.time_s)) flywheel_since_s_ = sample.time_s;
     const bool at_brake = sample.phase == kBraking || sample.phase == kStandstill;
-    if (sample.phase == kBraking && (!fed_ || last_.phase != kBraking)) {
+    if (begins && !unseen) {
         start(sample);
     } else if (state_ == State::braking) {
         if (at_brake || !standstill_) integrate(sample);
@@ -127,7 +133,7 @@ void Meter::feed(const MeterSample& sample) {
         if (!at_brake) {
             final_ = now();
             ended_s_ = sample.time_s;
-            state_ = standstill_ ? State::over : State::releasing;
+            state_ = standstill_ && hears(flywheel_, sample.time_s) ? State::over : State::releasing;
         }
     } else if (state_ == State::releasing) {
         integrate(sample);
@@ -146,7 +152,7 @@ void Meter::feed(const MeterSample& sample) {
 }
 
 bool Meter::released(const MeterSample& sample) const {
-    const double since_s = sample.time_s - ended_s_;
+    const double since_s = sample.time_s - std::max(ended_s_, flywheel_since_s_);
     return since_s > kMaxRelease_s || (since_s > kMinRelease_s && sample.pressure_Pa < kReleased_Pa);
 }
 
@@ -181,21 +187,21 @@ Work Meter::by_cells(const MeterSample& sample) const {
 }
 
 /// The equations of motion of flywheel and wheel, the load being what it last was.
-Work Meter::by_speeds(const MeterSample& sample) const {
+Work Meter::by_speeds(const MeterSample& sample) {
     const double v = flywheel_speed_, omega = wheel_.speed();
     const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
     const double radius = parameters_.wheel_radius_m - load / parameters_.wheel_stiffness_Npm;
     const double rim_Ns = parameters_.flywheel_mass_kg * (last_flywheel_mps_ - v);
     const double wheel_Nms = parameters_.wheel_inertia_kgm2 * (last_wheel_radps_ - omega);
     const double mean_mps = 0.5 * (last_flywheel_mps_ + v), mean_radps = 0.5 * (last_wheel_radps_ + omega);
-    // 1 - lambda; over a hole in the record by what was counted across it.
-    const double angle = wheel_.way() - last_wheel_way_, metres = flywheel_.way() - last_flywheel_way_;
-    const bool counted = sample.time_s - last_.time_s > kBrakeOnWindow_s && angle > 0.0 && metres > 0.0;
-    const double rolling = counted ? radius * angle / metres : mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
+    // Of a hole by what was counted across it. A wheel that is silent slips as it did.
+    const bool counted = knot_.hole && knot_.angle > 0.0 && knot_.metres > 0.0;
+    if (hears(wheel_, sample.time_s))
+        rolling_ = counted ? radius * knot_.angle / knot_.metres : mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
     const double rim_J = rim_Ns * mean_mps;
     const double torque_Nms = radius * rim_Ns + wheel_Nms;
-    return {.brake_J = rolling * rim_J + wheel_Nms * mean_radps,
-            .tyre_J = (1.0 - rolling) * rim_J,
+    return {.brake_J = rolling_ * rim_J + wheel_Nms * mean_radps,
+            .tyre_J = (1.0 - rolling_) * rim_J,
             .torque_Nms = torque_Nms,
             .sliding_torque_Nms = sliding() ? torque_Nms : 0.0,
             .friction_way_m = !dropped_out_ && load > 0.0 ? rim_J / load : 0.0};
@@ -206,9 +212,11 @@ void Meter::integrate(const MeterSample& sample) {
     const double pressure = 0.5 * (sample.pressure_Pa + last_.pressure_Pa);
     const bool repeated =
         sample.brake_torque_Nm == last_.brake_torque_Nm && sample.vertical_N == last_.vertical_N && sample.longitudinal_N == last_.longitudinal_N;
-    const CellReading reading = !sample.load_cells_reported ? CellReading::none : repeated ? CellReading::repeated : CellReading::fresh;
+    const bool moves = hears(wheel_, sample.time_s) && hears(flywheel_, sample.time_s);  // else torque has no angle
+    const CellReading reading = !sample.load_cells_reported || !moves ? CellReading::none : repeated ? CellReading::repeated : CellReading::fresh;
     const bool silent = books_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
+    knot_.hole = knot_.hole || !moves || h > kBrakeOnWindow_s;
     const double metres = flywheel_.way() - last_flywheel_way_;
     knot_.time_s += h;
     knot_.angle += wheel_.way() - last_wheel_way_;
@@ -277,7 +285,7 @@ std::vector<std::string> Meter::warnings() const {
     if (state_ == State::waiting) return all;
     const Figures f = figures();
     if (const double silent_s = books_.silent_s(); silent_s > 0.0)
-        all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells silent for {:.3g} s", kEnergyBySpeeds,
+        all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells or encoders silent for {:.3g} s", kEnergyBySpeeds,
                                   books_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);

@@ -6,14 +6,15 @@
 ///     Figures figures = meter.figures();
 ///
 /// Counted from the first sample in phase `braking` to standstill, which is found from the flywheel's last edges
-/// (EdgeTrack::rest()); with an abort, to the first sample of phase `aborting`, energies until the brake has released. A second `braking`
-/// starts afresh.
+/// (EdgeTrack::rest()); with an abort, to the first sample of phase `aborting`, energies until the brake has released and the flywheel is heard. A
+/// second `braking` starts afresh.
 ///
 /// Way and angle are counted in edges, so that the integrals of eq. (9) need no estimate of speed:
 /// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
 /// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
 ///
-/// While the load cells are silent their work follows from the speeds (WorkBooks); the warning "energy_by_speeds: ..." says how much.
+/// While load cells or encoders are silent the work follows from the speeds before and after (WorkBooks); the warning "energy_by_speeds: ..." says
+/// how much.
 ///
 /// Both together are the kinetic energy that was lost, eq. (8): where they are not, figures are of no use, and warnings() says so.
 #pragma once
@@ -33,7 +34,7 @@
 
 namespace rig::record {
 
-/// The warning of a brake energy that is in part that of the speeds, load cells being silent.
+/// The warning of a brake energy that is in part that of the speeds, load cells or encoders being silent.
 inline constexpr std::string_view kEnergyBySpeeds = "energy_by_speeds";
 
 /// The warning of a mean friction that is no brake's.
@@ -59,7 +60,7 @@ struct MeterParameters {
     // What tells a sound record from another; as they stand here everything is believed.
     double wheel_max_radps = std::numeric_limits<double>::infinity();     ///< that its encoder can report
     double flywheel_max_radps = std::numeric_limits<double>::infinity();  ///< the same
-    double sensor_late_s = std::numeric_limits<double>::infinity();       ///< age of the oldest reading in use
+    double sensor_late_s = std::numeric_limits<double>::infinity();       ///< age of the oldest reading in use; an encoder is silent after it
     /// By how much brake and tyre energy may differ from the kinetic energy lost, as share of that at brake-on.
     double energy_band = std::numeric_limits<double>::infinity();
     double friction = 0.0;  ///< mean mu_b that the brake is known for; 0: not known
@@ -84,6 +85,7 @@ struct ShaftSample {
 struct MeterSample {
     double time_s = 0.0;     ///< must not fall
     std::uint8_t phase = 0;  ///< index in antiskid::can::kPhaseNames
+    bool braked = false;     ///< phase `braking` was said since the sample before
     ShaftSample wheel;
     ShaftSample flywheel;
     double pressure_Pa = 0.0;
@@ -112,7 +114,8 @@ class Meter {
     [[nodiscard]] std::vector<std::string> warnings() const;
 
     [[nodiscard]] bool started() const { return state_ != State::waiting; }
-    [[nodiscard]] bool over() const { return state_ == State::over; }
+    /// The brake has come on, and was seen neither released nor at standstill.
+    [[nodiscard]] bool open() const { return state_ == State::releasing || (state_ == State::braking && !standstill_); }
     /// Rim speed of the flywheel, and the slip of eq. (3), as measured now.
     [[nodiscard]] double speed_mps() const { return flywheel_speed_; }
     [[nodiscard]] double slip() const;
@@ -130,6 +133,7 @@ class Meter {
         [[nodiscard]] const EdgeTrack& track() const { return track_; }
         [[nodiscard]] bool edges() const { return edges_; }
         [[nodiscard]] std::uint64_t news() const { return edges_ ? track_.news() : moving_; }
+        [[nodiscard]] double heard_s() const { return edges_ ? track_.heard_s() : heard_s_; }
         /// Instant and way at which it came to rest.
         [[nodiscard]] double rest_s() const;
         [[nodiscard]] double rest_way() const;
@@ -142,6 +146,7 @@ class Meter {
         double way_ = 0.0;
         double speed_ = 0.0;
         double last_s_ = 0.0;
+        double heard_s_ = -std::numeric_limits<double>::infinity();
         double moving_s_ = 0.0;
         std::uint64_t moving_ = 0;
     };
@@ -159,7 +164,8 @@ class Meter {
     /// Not below drop-out, nor where the pressure is not known: friction counts.
     [[nodiscard]] bool sliding() const { return !dropped_out_ && !hole_; }
     [[nodiscard]] Work by_cells(const MeterSample& sample) const;  ///< since knot_
-    [[nodiscard]] Work by_speeds(const MeterSample& sample) const;
+    [[nodiscard]] Work by_speeds(const MeterSample& sample);
+    [[nodiscard]] bool hears(const Shaft& shaft, double now_s) const { return now_s - shaft.heard_s() <= parameters_.sensor_late_s; }
     /// From brake-on down to these speeds.
     [[nodiscard]] double kinetic_lost_J(double v_mps, double omega_radps) const;
     void start(const MeterSample& sample);
@@ -179,6 +185,8 @@ class Meter {
     MeterSample last_;
     double last_wheel_way_ = 0.0, last_flywheel_way_ = 0.0;
     double last_wheel_radps_ = 0.0, last_flywheel_mps_ = 0.0;
+    double flywheel_since_s_ = 0.0;  // it was heard without a silence
+    double rolling_ = 1.0;           // 1 - lambda, as it last was known
     double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
     Sums sums_;
     WorkBooks books_;
@@ -187,6 +195,7 @@ class Meter {
         double torque_Nm = 0.0, vertical_N = 0.0, longitudinal_N = 0.0;
         double time_s = 0.0, sliding_s = 0.0;
         double angle = 0.0, metres = 0.0, sliding_m = 0.0;
+        bool hole = false;  // nothing, or not both shafts, was heard for a while
     };
     [[nodiscard]] static Knot knot_at(const MeterSample& sample) {
         return {.torque_Nm = sample.brake_torque_Nm, .vertical_N = sample.vertical_N, .longitudinal_N = sample.longitudinal_N};

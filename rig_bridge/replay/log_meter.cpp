@@ -65,7 +65,7 @@ void add_what_followed(MeteredLog& out, const record::Meter& meter, rig::Phase p
             text += fmt::format(", by which {:.3g} MJ count", brake_J * 1e-6);
         }
     }
-    out.warnings.push_back(text + fmt::format(", and the brake may have taken up to {:.3g} MJ that are in no record", max_J * 1e-6));
+    out.warnings.push_back(text + ", " + record::in_no_record(max_J));
 }
 
 }  // namespace
@@ -86,9 +86,9 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, c
     while (reader.next(frame)) meter.accept(frame.frame);
     const auto phase = static_cast<rig::Phase>(meter.view().maneuver_state.phase);
     const bool cut_off = end == LogEnd::left && may_go_on_to_brake(phase);
-    MeteredLog out{.counts = meter.meter().started() || cut_off,
+    MeteredLog out{.counts = meter.meter().started() || meter.open() || cut_off,
                    .figures = meter.figures(),
-                   .warnings = meter.warnings(),
+                   .warnings = cut_off ? meter.meter().warnings() : meter.warnings(),
                    .faults = meter.faults(),
                    .frames = reader.frames(),
                    .lines = reader.lines()};

@@ -4,6 +4,8 @@
 /// judged by itself. Numbers are assumptions [A].
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "rig_bridge/wear/draw.hpp"
@@ -25,13 +27,13 @@ struct LiningLaw {
     bool operator==(const LiningLaw&) const = default;
 };
 
-/// Temperature from maneuver to maneuver, in deviations from its mean, and what friction follows of it.
+/// Temperature from maneuver to maneuver, in deviations from its mean, and what friction follows of it. Draws are normal().
 class LiningTemperature {
   public:
-    explicit LiningTemperature(Generator& generator) : temperature_(normal(generator)), following_(temperature_) {}
+    explicit LiningTemperature(double draw) : temperature_(draw), following_(draw) {}
 
     /// One maneuver on.
-    void step(const LiningLaw& law, Generator& generator);
+    void step(const LiningLaw& law, double draw);
     [[nodiscard]] double temperature() const { return temperature_; }
     [[nodiscard]] double following() const { return following_; }
 
@@ -43,8 +45,25 @@ class LiningTemperature {
 /// Friction without scatter when `worn_J` >= 0 of the lining is used up.
 [[nodiscard]] double expected_friction(const LiningLaw& law, double worn_J);
 
-/// Mean friction of maneuver `number` of the brake `seed`: a pure function of these and of what is worn, so that a brake goes on anywhere. Of the
-/// temperatures it knows those of 24 maneuvers back.
-[[nodiscard]] double friction(const LiningLaw& law, std::uint64_t seed, std::uint64_t number, double worn_J);
+/// What scatters a lining's friction, maneuver by maneuver: a pure function of the brake's seed and the maneuver's number, so that a brake goes on
+/// anywhere. Of the temperatures it knows those of 24 maneuvers back; each draw is of a generator of its own.
+class LiningScatter {
+  public:
+    LiningScatter(std::uint64_t seed, std::uint64_t number);
+
+    /// One maneuver on: seeds one generator, where the constructor seeds 25.
+    void next();
+    /// Mean friction of the maneuver when `worn_J` of the lining is used up.
+    [[nodiscard]] double friction(const LiningLaw& law, double worn_J) const;
+
+  private:
+    static constexpr std::size_t kRemembered = 24;  // 0.75^24 = 0.1 %
+    void draw(std::uint64_t stream);
+
+    std::uint64_t seed_;
+    std::uint64_t number_;
+    std::array<double, kRemembered + 1> temperatures_{};  // by stream, modulo their number
+    double measurement_ = 0.0;
+};
 
 }  // namespace wear

@@ -36,13 +36,11 @@ WearingBrake::WearingBrake(BrakeWear wear, const ConditionalRule& rule, const Br
     if (!(wear_.scale.energy > 0.0 && wear_.scale.friction > 0.0 && wear_.life_J > 0.0))
         throw std::invalid_argument("scales and life of a wearing brake must be positive");
     check_energy("cumulative brake energy", state.c_e_J);
+    if (wear_.law) scatter_.emplace(state_.seed, state_.maneuvers);
 }
 
 double WearingBrake::next_friction() const {
-    if (wear_.law) {
-        const double unscaled = friction(*wear_.law, state_.seed, state_.maneuvers, state_.c_e_J / wear_.scale.energy);
-        return std::max(kMinFriction, wear_.scale.friction * unscaled);
-    }
+    if (wear_.law) return std::max(kMinFriction, wear_.scale.friction * scatter_->friction(*wear_.law, state_.c_e_J / wear_.scale.energy));
     Generator generator = generator_of(state_.seed, state_.maneuvers);
     return friction_at(*wear_.model, wear_.scale, rule_, state_.c_e_J, generator);
 }
@@ -55,6 +53,7 @@ void WearingBrake::take(double brake_energy_J) {
     check_energy("brake energy", brake_energy_J);
     state_.c_e_J += brake_energy_J;
     ++state_.maneuvers;
+    if (scatter_) scatter_->next();
 }
 
 }  // namespace wear

@@ -70,6 +70,7 @@ class WearingBrake {
     BrakeWear wear_;
     ConditionalRule rule_;
     BrakeState state_;
+    std::optional<LiningScatter> scatter_;  // by the law
 };
 
 }  // namespace wear

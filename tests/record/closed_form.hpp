@@ -33,6 +33,16 @@ inline constexpr rig::record::MeterParameters kRig{.wheel_teeth = 60.0,
                                                    .drop_out_mps = 5.0,
                                                    .period_s = 1e-3};
 
+/// kRig with what config/controller.toml says of its encoders.
+inline rig::record::MeterParameters gated() {
+    rig::record::MeterParameters p = kRig;
+    p.wheel_max_radps = 400.0;
+    p.flywheel_max_radps = 250.0;
+    p.sensor_late_s = 0.02;
+    p.energy_band = 0.1;
+    return p;
+}
+
 struct ClosedForm {
     double v0_mps = 54.86;
     double a1_mps2 = 3.242;  ///< down to `change_mps`, from there on a2

@@ -238,7 +238,7 @@ TEST_CASE("an aborted maneuver has its figures to the abort, a maneuver without 
     run(4, 2000, 3.0, 600.0);
     CHECK(meter.started());
     run(9, 500, 0.0, 0.0);
-    CHECK(meter.over());
+    CHECK_FALSE(meter.open());
     const Figures f = meter.figures();
     CHECK_FALSE(f.standstill);
     CHECK(f.duration_s == Approx(2.0).margin(1e-9));

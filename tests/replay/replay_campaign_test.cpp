@@ -172,6 +172,19 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     // A bridge whose bus was down at the end has closed its record nevertheless.
     CHECK(cut_at(1.0, rig::replay::LogEnd::closed).warnings.empty());
     CHECK_FALSE(cut_at(1.0, rig::replay::LogEnd::closed).counts);
+    // One that heard nothing but itself from before brake-on to the end says what may be missing.
+    std::string own;
+    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+        const bool of_bridge = recording.frames[i].id == can_test::ours()[antiskid::can::Role::maneuver_state].id;
+        if (of_bridge || i < recording.frames.size() / 20) own += replay_test::line(recording.frames[i]);
+    }
+    rig::replay::LogWarnings none("bus.log", {});
+    const rig::replay::MeteredLog unheard =
+        rig::replay::meter_log(dir.write("bus.log", own), can_test::ours(), record_test::kRig, rig::replay::LogEnd::closed, none);
+    CHECK(unheard.counts);
+    CHECK(unheard.warnings == std::vector<std::string>{fmt::format("ends_unheard: at 54.9 m/s, and the brake may have taken up to {:.3g} MJ that "
+                                                                   "are in no record",
+                                                                   whole_MJ)});
     // The next bridge finds the rig at a speed: what it still has no brake took. Not if anybody had time to turn it. Of a rig that coasts at
     // once the rest is brake and tyre.
     const auto found_after = [&](double later_s, double v_mps, double from_s) {

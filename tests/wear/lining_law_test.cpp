@@ -17,7 +17,8 @@ using wear::LiningLaw;
 std::vector<double> scatter_of(const LiningLaw& law, std::uint64_t seed, std::uint64_t maneuvers) {
     std::vector<double> out;
     const double worn_J = 100.0e6;
-    for (std::uint64_t n = 0; n < maneuvers; ++n) out.push_back(wear::friction(law, seed, n, worn_J) - wear::expected_friction(law, worn_J));
+    for (wear::LiningScatter scatter(seed, 0); out.size() < maneuvers; scatter.next())
+        out.push_back(scatter.friction(law, worn_J) - wear::expected_friction(law, worn_J));
     return out;
 }
 
@@ -70,7 +71,12 @@ TEST_CASE("a brake with a law wears by it, scaled; without one by its model", "[
     REQUIRE(wear.law);
     wear.scale = {.energy = 8.0, .friction = 1.2};
     for (std::uint64_t n = 0; n < 20; ++n)
-        CHECK(wear::WearingBrake(wear, {}, {5, n, 800e6}).next_friction() == 1.2 * wear::friction(*wear.law, 5, n, 100e6));
+        CHECK(wear::WearingBrake(wear, {}, {5, n, 800e6}).next_friction() == 1.2 * wear::LiningScatter(5, n).friction(*wear.law, 100e6));
+    wear::WearingBrake goes_on(wear, {}, {5, 0, 0.0});
+    for (std::uint64_t n = 0; n < 60; ++n) {
+        CHECK(goes_on.next_friction() == wear::WearingBrake(wear, {}, goes_on.state()).next_friction());
+        goes_on.take(1e6);
+    }
     CHECK_FALSE(wear::WearingBrake(wear, {}, {5, 0, 1e12}).extrapolates());
     CHECK(wear::WearingBrake(wear, {}, {5, 0, 1e12}).next_friction() == wear::kMinFriction);
     const double by_law = wear::WearingBrake(wear, {}, {5, 7, 800e6}).next_friction();

@@ -27,11 +27,11 @@ inline wear::Campaign campaign(const BrakeLaw& law, std::uint64_t seed, std::vec
     wear::Campaign out;
     out.source = "physical law";
     out.origin = "made up by the law of tests/wear/physical_campaign.hpp";
-    wear::LiningTemperature temperature(generator);
+    wear::LiningTemperature temperature(wear::normal(generator));
     double worn_J = 0.0;
     double c_e_J = 0.0;
     for (int i = 0; i < maneuvers; ++i) {
-        temperature.step(law, generator);
+        temperature.step(law, wear::normal(generator));
         const double energy_J = maneuver_energy_J(generator);
         const double without_scatter = wear::expected_friction(law, worn_J);
         if (expected != nullptr) expected->push_back(without_scatter);

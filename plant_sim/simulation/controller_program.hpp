@@ -1,0 +1,37 @@
+/// The controller's program without its thread and clock: a period of its loop at a time.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "firmware/can/bus.hpp"
+#include "firmware/can/controller_port.hpp"
+#include "firmware/control/controller.hpp"
+
+namespace plant_sim::simulation {
+
+class ControllerProgram {
+  public:
+    /// All but `period` must outlive it. It does not run yet.
+    ControllerProgram(const antiskid::control::Config& config, const antiskid::can::Layout& layout, antiskid::control::Time period,
+                      antiskid::can::Bus& bus)
+        : config_(config), layout_(layout), period_(period), bus_(bus) {}
+
+    void kill() { controller_.reset(); }
+    [[nodiscard]] bool runs() const { return controller_.has_value(); }
+    /// A period in which it stands.
+    void miss() { ++missed_; }
+    /// One in which it runs; starts it where it does not.
+    void period(antiskid::control::Time now);
+
+  private:
+    const antiskid::control::Config& config_;
+    const antiskid::can::Layout& layout_;
+    antiskid::control::Time period_;
+    antiskid::can::Bus& bus_;
+    std::optional<antiskid::control::Controller> controller_;
+    std::optional<antiskid::can::ControllerPort> port_;
+    std::uint32_t missed_ = 0;
+};
+
+}  // namespace plant_sim::simulation
