@@ -20,7 +20,7 @@ enum class Sign : std::uint8_t {
     mass,     ///< kg, the aircraft's by the impulse of the road (brake's torque and wheel's acceleration) over the speed that it lost
     off_map,  ///< Pa, mean distance of the transducer's reading from what the commands alone explain
     lag,      ///< s, by which the pressure comes later than commanded, by regression on the rate commanded
-    excess,   ///< s, slip beyond 0.05 above what is asked for, added up as the monitor does
+    excess,   ///< s, slip beyond 0.05 above the reference in force, added up; below it pays back
 };
 inline constexpr std::array<std::string_view, 8> kSignNames{"late_s", "refused", "wild", "scatter", "mass_kg", "off_map_Pa", "lag_s", "excess_s"};
 [[nodiscard]] constexpr std::string_view name(Sign sign) {

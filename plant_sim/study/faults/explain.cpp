@@ -72,11 +72,11 @@ Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& b
         }
     }
     e.grip = high;
+    e.twin_share = share_at(e.grip);
     for (std::size_t i = 0; i < options.twins; ++i) {
         Case other = twin;
-        other.sensor_seed += i;
+        other.sensor_seed += i + 1;  // the run's own noise would not tell what chance does
         const Seen seen = look_at(on_runway(plan, c, rig, e.grip, faulty.at_m), other, sound);
-        if (i == 0) e.twin_share = seen.result.verdict.distance_share;
         widen(e.twins, seen.signs, i == 0);
     }
     for (std::size_t i = 0; i < options.rigs; ++i) {
