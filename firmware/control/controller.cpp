@@ -24,7 +24,7 @@ void Controller::start_law(Law law, const Estimate& estimate, State before) {
     const bool resumes = before == State::locked_wheel && law == law_;
     law_ = law;
     slip_law_.start(estimate);
-    peak_seeker_.start();
+    peak_seeker_.start(before == State::locked_wheel);
     deceleration_law_.start(estimate);
     threshold_law_.start(estimate);
     if (resumes)

@@ -6,6 +6,7 @@
 /// nothing of the slope (extremum seeking: K. B. Ariyur and M. Krstic, Real-Time Optimization by Extremum-Seeking Control, Wiley 2003).
 #pragma once
 
+#include "firmware/control/arithmetic.hpp"
 #include "firmware/control/config.hpp"
 #include "firmware/control/estimate.hpp"
 #include "firmware/control/types.hpp"
@@ -16,8 +17,12 @@ class PeakSeeker {
   public:
     PeakSeeker(const PeakConfig& config, float inertia_kgm2, float period_s);
 
-    /// The wheel comes back from a lock or another law: what was found stays, what was measured goes.
-    void start() { elasticity_ = 0.0F; }
+    /// The wheel comes back from a lock or another law: what was found stays, what was measured goes. After a lock, which is slip far past the
+    /// peak, it is sought from `start_slip` again if more was in force.
+    void start(bool locked) {
+        elasticity_ = 0.0F;
+        if (locked) slip_ = smaller(slip_, config_.start_slip);
+    }
     /// On another landing it begins anew.
     void forget_runway() {
         slip_ = config_.start_slip;

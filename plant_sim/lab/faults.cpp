@@ -10,8 +10,10 @@
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/faults/explain_report.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
 #include "plant_sim/study/trajectory.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
@@ -35,6 +37,7 @@ struct FaultsCommand {
     std::string signal;
     std::string kind;
     std::optional<std::size_t> run;
+    std::vector<std::size_t> explain;
     unsigned threads = 0;
     std::filesystem::path out = "out/faults";
     std::string json_file;  ///< "-": standard output
@@ -43,6 +46,7 @@ struct FaultsCommand {
     [[nodiscard]] int execute() const {
         const faults::FaultPlan campaign = faults::load_plan(plan);
         if (run) return repeat(campaign, *run);
+        if (!explain.empty()) return say_why(campaign);
         antiskid::host::StopSignals signals;
         const std::vector<std::size_t> numbers = chosen(campaign);
         settings::Progress progress(static_cast<std::int64_t>(numbers.size()), 0);
@@ -79,12 +83,10 @@ struct FaultsCommand {
         return numbers;
     }
     [[nodiscard]] int repeat(const faults::FaultPlan& campaign, std::size_t number) const {
-        if (number >= campaign.runs()) throw std::invalid_argument(fmt::format("--run {}: expected 0 to {}", number, campaign.runs() - 1));
-        const faults::Case c = campaign.at(number);
+        const faults::Case c = case_of(campaign, "--run", number);
         study::Trajectory course;
         const faults::Result result = faults::run_one(campaign, c, faults::run_sound(campaign, c),
-                                                      [&course](const study::RigSession& session, const antiskid::can::ControllerView& view,
-                                                                double current_mA) { course.record(session, view, current_mA); });
+                                                      [&course](const faults::Period& p) { course.record(p.session, p.view, p.driver_mA); });
         settings::write_file(out / fmt::format("run-{}.csv", number), course.csv());
         const std::string what = faults::describe(campaign, c);
         if (pictures) {
@@ -93,6 +95,23 @@ struct FaultsCommand {
         }
         print_table(json_file, "{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
         return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;
+    }
+    [[nodiscard]] int say_why(const faults::FaultPlan& campaign) const {
+        robust::RobustPlanOptions rigs;
+        rigs.config = plan.config;
+        const robust::Basis basis = robust::load_plan(rigs).basis;
+        std::vector<std::optional<faults::Explanation>> found(explain.size());
+        wear::run_jobs(threads > 0 ? threads : wear::all_cores(), explain.size(),
+                       [&](std::size_t i) { found[i] = faults::explain(campaign, case_of(campaign, "--explain", explain[i]), basis); });
+        std::vector<faults::Explanation> explanations;
+        for (const auto& one : found) explanations.push_back(*one);
+        keep_json(out / "explained.json", json_file, faults::to_json(campaign, explanations));
+        print_table(json_file, "{}Written to {}: explained.json\n", faults::to_table(campaign, explanations), out.string());
+        return 0;
+    }
+    [[nodiscard]] static faults::Case case_of(const faults::FaultPlan& campaign, const char* option, std::size_t number) {
+        if (number >= campaign.runs()) throw std::invalid_argument(fmt::format("{} {}: expected 0 to {}", option, number, campaign.runs() - 1));
+        return campaign.at(number);
     }
 };
 
@@ -113,6 +132,9 @@ LabVerb faults_verb(CLI::App& lab) {
     settings::one_of(verb->add_option("--kind", command->kind, "only faults of this kind"), {faults::kKindNames.begin(), faults::kKindNames.end()})
         ->check(CLI::IsMember(std::vector<std::string>(faults::kKindNames.begin(), faults::kKindNames.end())));
     verb->add_option("--run", command->run, "this run alone, by its number in runs.csv; give seed, surfaces, maneuver and repetitions as then");
+    verb->add_option("--explain", command->explain,
+                     "these runs alone, each beside sound stops that are as long: what of it the controller's inputs show")
+        ->delimiter(',');
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
     settings::add_threads(*verb, command->threads);
     settings::add_json(*verb, command->json_file, "results");

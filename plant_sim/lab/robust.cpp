@@ -57,10 +57,12 @@ LabVerb robust_verb(CLI::App& lab) {
         ->delimiter(',')
         ->capture_default_str();
     settings::one_of(
-        verb->add_option("--laws", command->options.laws,
-                         "told_peak: the slip law told the peak of the surface under the wheel, with whose distances the others' are compared; "
-                         "soonest: no law, but full current or none until the wheel has that slip, held exactly from then on (changes, brake_on)"),
-        {"slip", "peak_slip", "threshold", "pressure_bias", "told_peak", "soonest"})
+        verb->add_option(
+            "--laws", command->options.laws,
+            "told_peak: the slip law told the peak of the surface under the wheel, with whose distances the others' are compared; "
+            "soonest: no law, but full current or none until the wheel has that slip, held exactly from then on (changes, brake_on); wary: the "
+            "same without knowing the runway ahead, by what was under the wheel 20 ms before (brake_on)"),
+        {"slip", "peak_slip", "threshold", "pressure_bias", "told_peak", "soonest", "wary"})
         ->delimiter(',')
         ->capture_default_str();
     verb->add_option("--draws", command->options.draws, "of each family that is drawn; a multiple of 14 has all landings equally often")

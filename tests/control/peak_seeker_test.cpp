@@ -170,13 +170,20 @@ TEST_CASE("at walking speed nothing is sought", "[CTL-340]") {
     CHECK(after(400, e).found().peak_slip > 0.2F);
 }
 
-TEST_CASE("a lock leaves what was found, another landing does not", "[CTL-340]") {
+TEST_CASE("another law leaves what was found, a lock what is not above the start, another landing nothing", "[CTL-340]") {
     PeakSeeker seeker = after(200, on_road(0.5F));
     const float found = seeker.found().peak_slip;
     REQUIRE(found > 0.2F);
-    seeker.start();
+    seeker.start(false);
     CHECK(seeker.found().peak_slip == found);
     CHECK(seeker.elasticity() == 0.0F);
+    seeker.start(true);
+    CHECK(seeker.found().peak_slip == 0.16F);
+    seeker = after(400, on_road(-0.5F));
+    const float less = seeker.found().peak_slip;
+    REQUIRE(less < 0.16F);
+    seeker.start(true);
+    CHECK(seeker.found().peak_slip == less);
     seeker.forget_runway();
     CHECK(seeker.found().peak_slip == 0.16F);
 }

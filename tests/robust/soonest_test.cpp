@@ -17,6 +17,7 @@ RobustPlan grid(const std::string& family, const std::string& surface) {
     RobustPlanOptions options;
     options.families = {family};
     options.laws = {"told_peak", "soonest"};
+    if (family == "brake_on") options.laws.emplace_back("wary");
     RobustPlan plan = load_plan(options);
     std::erase_if(plan.basis.landings, [&](const Landing& landing) { return landing.surface != surface && landing.surface != "snow"; });
     return plan;
@@ -51,13 +52,46 @@ TEST_CASE("the law that is told the peak has less, at every speed of brake-on", 
     REQUIRE(rows.size() == plan.stops());
     const std::size_t stops = plan.draws_of(Family::brake_on);
     for (std::size_t i = 0; i < stops; ++i) {
-        const Row &told = rows[i], &soonest = rows[stops + i];
+        const Row &told = rows[i], &soonest = rows[stops + i], &wary = rows[2 * stops + i];
         REQUIRE(soonest.law == 1);
         REQUIRE(soonest.number == told.number);
         CHECK_FALSE(soonest.tripped());
         CHECK(told.figures.j_mu < soonest.figures.j_mu + 0.005);
         CHECK(soonest.figures.j_mu < 1.0);
+        REQUIRE(wary.law == 2);
+        CHECK(told.figures.j_mu < wary.figures.j_mu + 0.005);
+        CHECK(wary.figures.j_mu < soonest.figures.j_mu + 0.002);  // soonest stays short of the reference until there is no current
     }
+}
+
+TEST_CASE("who does not know the runway ahead, and sees what is under the wheel later, has less", "[STUDY-602]") {
+    const RobustPlan plan = load_plan({});
+    for (const Landing& landing : plan.basis.landings) {
+        INFO(landing.surface << " " << landing.maneuver);
+        rig::RigParameters rig = landing.rig;
+        rig.brake_on_mps = 20.0;
+        const double slip = rig::peak(rig.surface).slip;
+        const auto wary = [&](double late_s) { return wary_j_mu(rig, plan.controller.slip, slip, 5.0, 1e-3, late_s); };
+        CHECK(wary(0.0) < soonest_j_mu(rig, plan.controller.slip, slip, 5.0, 1e-3) + 0.001);
+        if (landing.surface == "snow") {  // the first push has it at its peak
+            CHECK(wary(0.1) > 0.99);
+        } else {
+            CHECK(wary(0.02) < wary(0.0) + 0.001);
+            CHECK(wary(0.1) < wary(0.02) - 0.001);
+        }
+    }
+}
+
+TEST_CASE("laws that are bounds are of their grids alone", "[STUDY-602]") {
+    RobustPlanOptions options;
+    options.families = {"changes", "brake_on"};
+    options.laws = {"wary"};
+    CHECK_THROWS_AS(load_plan(options), std::invalid_argument);
+    options.laws = {"soonest"};
+    CHECK_NOTHROW(load_plan(options));
+    options.families = {"brake_on"};
+    options.laws = {"wary"};
+    CHECK_NOTHROW(load_plan(options));
 }
 
 TEST_CASE("no change of surface is made good sooner than the valve's delay leaves it, none is later than 0.4 s", "[STUDY-602]") {

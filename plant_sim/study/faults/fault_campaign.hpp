@@ -118,8 +118,18 @@ struct Result {
     double begun_s = -1.0;  ///< when the fault began; negative: the stop ended before
     double begun_mps = 0.0;
 };
-/// `sound` is that of `c`. `on_step` may be empty.
-[[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const study::StepObserver& on_step = {});
+/// A period of a run, after it.
+struct Period {
+    const study::RigSession& session;
+    const antiskid::can::ControllerView& view;  ///< what the rig's side hears of the controller
+    double driver_mA;                           ///< the current that the valve's driver was told
+    const antiskid::control::Sensors* given;    ///< what the controller was given; null where it missed the period
+    const antiskid::control::Command& command;  ///< and its answer
+    bool begun;                                 ///< the fault has
+};
+using PeriodObserver = std::function<void(const Period&)>;
+/// `sound` is that of `c`. `on_period` may be empty.
+[[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const PeriodObserver& on_period = {});
 
 struct Row {
     Case run;

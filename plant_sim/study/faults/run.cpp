@@ -162,6 +162,8 @@ class FaultLink {
     /// Whether the fault is there in the cycles to come.
     void set_active(bool active) { active_ = active; }
     [[nodiscard]] const Command& command() const { return command_; }
+    /// What the controller was given in the last cycle; null where it missed that.
+    [[nodiscard]] const antiskid::control::Sensors* given() const { return missed_ == 0 ? &port_.sensors() : nullptr; }
     [[nodiscard]] const antiskid::can::ControllerView& view() const { return rig_port_.controller(); }
     [[nodiscard]] double driver_mA() const { return driver_.current_mA(); }
     /// What flows, whatever the driver gives.
@@ -273,7 +275,7 @@ Sound run_sound(const FaultPlan& plan, const Case& c) {
     return {.distance_m = run.figures.stop_distance_m, .lasts_s = loop.session().rig().time_s(), .named = run.faults};
 }
 
-Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const study::StepObserver& on_step) {
+Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const PeriodObserver& on_period) {
     constexpr double kPatience = 2.0;  // times the sound run's length: nobody brakes any more
     study::Loop<FaultLink> loop = loop_of(plan, c, kPatience * sound.lasts_s);
     study::RigSession& session = loop.session();
@@ -298,7 +300,7 @@ Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const s
         link.set_active(begun && time_s < ends_s);
         loop.control();
         session.advance(link.current_mA(), link.state());
-        if (on_step) on_step(session, link.view(), link.driver_mA());
+        if (on_period) on_period({session, link.view(), link.driver_mA(), link.given(), link.command(), begun});
         if (!begun) continue;
         judge.observe({.period_s = static_cast<double>(plan.controller.period_s),
                        .distance_m = session.distance_m(),

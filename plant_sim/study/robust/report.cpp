@@ -115,7 +115,7 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
             s.mean_travel_mAps /= static_cast<double>(s.stops);
             std::sort(j_mu.begin(), j_mu.end());
             s.percentile_j_mu = percentile(j_mu, 1);
-            if (yardstick && plan.laws[law].name != kSoonest) s.against_told_peak = against(rows, s, *yardstick);
+            if (yardstick && !is_bound(plan.laws[law].name)) s.against_told_peak = against(rows, s, *yardstick);
             all.push_back(s);
         }
     }

@@ -34,8 +34,8 @@ Peer peer_of(const std::string& word) {
     if (word == "peak_slip") return {.name = word, .law = Law::peak_slip, .holds_peak = true};
     if (word == "threshold") return {.name = word, .law = Law::threshold};
     if (word == "pressure_bias") return {.name = word, .law = Law::pressure_bias};
-    if (word == kToldPeak || word == kSoonest) return {.name = word, .law = Law::wheel_slip, .holds_peak = true};
-    throw std::invalid_argument("unknown law '" + word + "'; there are slip, peak_slip, threshold, pressure_bias, told_peak, soonest");
+    if (word == kToldPeak || is_bound(word)) return {.name = word, .law = Law::wheel_slip, .holds_peak = true};
+    throw std::invalid_argument("unknown law '" + word + "'; there are slip, peak_slip, threshold, pressure_bias, told_peak, soonest, wary");
 }
 
 /// As far as the controller takes a reference.
@@ -87,7 +87,7 @@ Finished read(std::string_view text) {
 }
 
 /// A row that nobody has driven.
-Row soonest_of(const RobustPlan& plan, Row row) {
+Row bound_of(const RobustPlan& plan, Row row) {
     const rig::RigParameters rig = grid_stop(plan.basis, row.family, row.number).rig;
     const double period_s = std::chrono::duration<double>(study::period_of(plan.controller)).count();
     if (row.family == Family::changes) {
@@ -96,7 +96,11 @@ Row soonest_of(const RobustPlan& plan, Row row) {
         row.regrip = soonest.regrip;
         row.figures.j_mu = soonest.j_mu;
     } else {
-        row.figures.j_mu = soonest_j_mu(rig, plan.controller.slip, peak_slip(rig.surface), plan.drop_out_mps, period_s);
+        const std::string& law = plan.laws[row.law].name;
+        const double slip = peak_slip(rig.surface);
+        constexpr double kLate_s = 0.02;
+        row.figures.j_mu = law == kSoonest ? soonest_j_mu(rig, plan.controller.slip, slip, plan.drop_out_mps, period_s)
+                                           : wary_j_mu(rig, plan.controller.slip, slip, plan.drop_out_mps, period_s, kLate_s);
     }
     return row;
 }
@@ -105,8 +109,8 @@ void run_share(const RobustPlan& plan, const std::vector<std::size_t>& share, co
     std::vector<std::size_t> stops;
     for (const std::size_t stop : share) {
         const Row row = row_of(plan, stop);
-        if (plan.laws[row.law].name == kSoonest)
-            hand_in(bytes_of({.stop = stop, .row = soonest_of(plan, row)}));
+        if (is_bound(plan.laws[row.law].name))
+            hand_in(bytes_of({.stop = stop, .row = bound_of(plan, row)}));
         else
             stops.push_back(stop);
     }
@@ -154,8 +158,11 @@ RobustPlan load_plan(const RobustPlanOptions& o) {
     for (const std::string& word : o.families) plan.families.push_back(family_of(word));
     for (const std::string& word : o.laws) plan.laws.push_back(peer_of(word));
     const auto drawn = [](Family family) { return static_cast<std::size_t>(family) < kDrawnFamilies; };
-    if (std::find(o.laws.begin(), o.laws.end(), kSoonest) != o.laws.end() && std::any_of(plan.families.begin(), plan.families.end(), drawn))
-        throw std::invalid_argument("soonest is of the families changes and brake_on alone");
+    const auto changes = [](Family family) { return family == Family::changes; };
+    const auto asks = [&o](std::string_view law) { return std::find(o.laws.begin(), o.laws.end(), law) != o.laws.end(); };
+    const auto has = [&plan](const auto& any) { return std::any_of(plan.families.begin(), plan.families.end(), any); };
+    if (asks(kSoonest) && has(drawn)) throw std::invalid_argument("soonest is of the families changes and brake_on alone");
+    if (asks(kWary) && (has(drawn) || has(changes))) throw std::invalid_argument("wary is of the family brake_on alone");
     std::vector<std::filesystem::path> files{ranges, controller};
     for (const std::string& surface : rig::surface_names(o.config)) {
         for (const char* maneuver : {"light", "heavy"}) {

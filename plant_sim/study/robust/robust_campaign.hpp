@@ -39,6 +39,12 @@ struct Peer {
 inline constexpr std::string_view kToldPeak = "told_peak";
 /// No law but what no law can have sooner: soonest.hpp. Of the grids alone.
 inline constexpr std::string_view kSoonest = "soonest";
+/// As soonest, but the runway ahead is not known, and what is under the wheel is seen 20 ms late, as an observer sees it. Of the grid `brake_on`
+/// alone.
+inline constexpr std::string_view kWary = "wary";
+[[nodiscard]] constexpr bool is_bound(std::string_view law) {
+    return law == kSoonest || law == kWary;
+}
 
 struct RobustPlan {
     Basis basis;

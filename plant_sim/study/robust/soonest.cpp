@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "firmware/control/slip_law.hpp"
 #include "plant_sim/study/robust/held_reference.hpp"
@@ -58,6 +59,17 @@ class BrakedWheel {
     plant::WheelState state_;
 };
 
+/// Whether the slip passes `most` without current, until it rises no more, which it may begin to do after the valve's delay.
+bool slips_beyond(BrakedWheel wheel, double most, double delay_s, double period_s) {
+    double slip = 0.0;
+    for (int i = 0; i * period_s < delay_s + 2.0 * period_s || wheel.forces().slip > slip; ++i) {
+        slip = wheel.forces().slip;
+        wheel.step(0.0);
+        if (wheel.forces().slip > most) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
@@ -85,6 +97,32 @@ double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::Slip
         wheel = std::move(next);
     }
     release(wheel);
+    const FrictionDistance rest = held_distance(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
+    return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.max_m);
+}
+
+double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
+                 double period_s, double late_s) {
+    constexpr double kLocks = 0.9;
+    constexpr double kSteep = 1e4;  // a runway of that friction at hardly any slip
+    BrakedWheel wheel(rig, rig.brake_on_mps, 0.0, period_s);
+    const double earliest_slip = static_cast<double>(config.earliest_peak_slip);
+    std::vector<plant::Forces> felt;  // by period
+    const auto late = static_cast<std::size_t>(std::lround(late_s / period_s));
+    while (wheel.state().v_mps > drop_out_mps) {
+        const plant::Forces now = wheel.forces();
+        const double reference = static_cast<double>(
+            antiskid::control::falling_reference(config, static_cast<float>(slip_reference), static_cast<float>(wheel.state().v_mps)));
+        if (now.slip >= reference) break;
+        felt.push_back(now);
+        const plant::Forces& known = felt[felt.size() > late ? felt.size() - 1 - late : 0];
+        // Along the chord at first, to what that has at the earliest peak.
+        const double rises = known.slip > 0.0 && known.slip < earliest_slip ? earliest_slip / known.slip : 1.0;
+        BrakedWheel released = wheel;
+        released.step(kFullCurrent_mA);
+        released.meet({.name = {}, .c1 = known.mu * rises, .c2 = rises > 1.0 ? 1.0 / earliest_slip : kSteep, .c3 = 0.0});
+        wheel.step(slips_beyond(released, kLocks, rig.valve.delay_s, period_s) ? 0.0 : kFullCurrent_mA);
+    }
     const FrictionDistance rest = held_distance(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
     return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.max_m);
 }

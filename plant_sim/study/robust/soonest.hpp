@@ -13,6 +13,12 @@ namespace robust {
 [[nodiscard]] double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference,
                                   double drop_out_mps, double period_s);
 
+/// The same by one who knows the plant and what it does now, but not the runway ahead: full current for as long as the wheel would not lock if
+/// friction rose no more than it did `late_s` before and the brake were let go next, none otherwise; the reference in force is held exactly from
+/// where the wheel first has it. On no runway does friction stop rising before `earliest_peak_slip`.
+[[nodiscard]] double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
+                               double period_s, double late_s);
+
 struct SoonestRegrip {
     Regrip regrip;
     double j_mu = 0.0;  ///< of what was looked at
