@@ -62,8 +62,7 @@ Bound::Bound(BoundProblem problem) : problem_(std::move(problem)) {
     const auto nodes = [](double whole_J, double step_J) { return static_cast<std::size_t>(std::ceil(whole_J / step_J - 1e-9)) + 1; };
     brake_nodes_ = nodes(greatest.brake_J, brake_step_J_);
     tyre_nodes_ = nodes(greatest.tyre_J, tyre_step_J_);
-    cost_.resize(brake_nodes_ * tyre_nodes_);
-    to_come_.resize(cost_.size());
+    nodes_.resize(brake_nodes_ * tyre_nodes_);
     // Each turn takes the cost a landing of the policy that was best for the last one: as Newton's method it ends after a few.
     constexpr int kTurns = 20;
     for (int turn = 0; turn < kTurns; ++turn) {
@@ -71,8 +70,9 @@ Bound::Bound(BoundProblem problem) : problem_(std::move(problem)) {
         double cost = 0.0;
         double landings = 0.0;
         for (const Pair& begin : problem_.begins) {
-            cost += value(cost_, begin);
-            landings += value(to_come_, begin);
+            const ToCome whole = to_come(begin);
+            cost += whole.cost;
+            landings += whole.landings;
         }
         per_landing_ += cost / landings;
         landings_ = landings / static_cast<double>(problem_.begins.size());
@@ -81,13 +81,16 @@ Bound::Bound(BoundProblem problem) : problem_(std::move(problem)) {
     throw std::runtime_error("bound: the cost a landing did not settle");
 }
 
-double Bound::value(const std::vector<double>& of, const Pair& at) const {
+Bound::ToCome Bound::to_come(const Pair& at) const {
     const double x = at.brake_J / brake_step_J_, y = at.tyre_J / tyre_step_J_;
     const std::size_t i = std::min(static_cast<std::size_t>(x), brake_nodes_ - 2), j = std::min(static_cast<std::size_t>(y), tyre_nodes_ - 2);
     const double u = x - static_cast<double>(i), v = y - static_cast<double>(j);
-    const double* const low = &of[i * tyre_nodes_ + j];
-    const double* const high = low + tyre_nodes_;
-    return (1.0 - u) * ((1.0 - v) * low[0] + v * low[1]) + u * ((1.0 - v) * high[0] + v * high[1]);
+    const ToCome* const low = &nodes_[i * tyre_nodes_ + j];
+    const ToCome* const high = low + tyre_nodes_;
+    const auto between_nodes = [&](double ToCome::*of) {
+        return (1.0 - u) * ((1.0 - v) * low[0].*of + v * low[1].*of) + u * ((1.0 - v) * high[0].*of + v * high[1].*of);
+    };
+    return {between_nodes(&ToCome::cost), between_nodes(&ToCome::landings)};
 }
 
 void Bound::outlook(const Pair& left, Outlook& out) const {
@@ -100,13 +103,14 @@ void Bound::outlook(const Pair& left, Outlook& out) const {
         const double share = kShareStep * static_cast<double>(k);
         for (const double landing_J : problem_.landing_J) {
             const double brake_J = (1.0 - share) * landing_J, tyre_J = share * landing_J;
-            const double part = std::min({1.0, left.brake_J / brake_J, tyre_J > 0.0 ? left.tyre_J / tyre_J : 1.0});
+            const bool whole = brake_J <= left.brake_J && tyre_J <= left.tyre_J;
+            const double part = whole ? 1.0 : std::min({1.0, left.brake_J / brake_J, tyre_J > 0.0 ? left.tyre_J / tyre_J : 1.0});
             const Pair after{std::max(0.0, left.brake_J - part * brake_J), std::max(0.0, left.tyre_J - part * tyre_J)};
-            const bool over = part < 1.0 || after.brake_J == 0.0 || after.tyre_J == 0.0;
-            out.cost[k] +=
-                each * (part * (costs.brake_per_J * brake_J + costs.tyre_per_J * tyre_J) + (over ? costs.at_limit(after) : value(cost_, after)));
+            const bool over = !whole || after.brake_J == 0.0 || after.tyre_J == 0.0;
+            const ToCome then = over ? ToCome{.cost = costs.at_limit(after)} : to_come(after);
+            out.cost[k] += each * (part * (costs.brake_per_J * brake_J + costs.tyre_per_J * tyre_J) + then.cost);
             out.part[k] += each * part;
-            if (!over) out.landings[k] += each * value(to_come_, after);
+            out.landings[k] += each * then.landings;
         }
     }
 }
@@ -141,24 +145,23 @@ std::size_t Bound::best_of(const Outlook& o, std::size_t surface) const {
 }
 
 void Bound::sweep() {
-    for (std::size_t i = 0; i < brake_nodes_; ++i) cost_[i * tyre_nodes_] = problem_.costs.at_limit({static_cast<double>(i) * brake_step_J_, 0.0});
-    for (std::size_t j = 0; j < tyre_nodes_; ++j) cost_[j] = problem_.costs.at_limit({0.0, static_cast<double>(j) * tyre_step_J_});
+    for (std::size_t i = 0; i < brake_nodes_; ++i)
+        nodes_[i * tyre_nodes_] = {.cost = problem_.costs.at_limit({static_cast<double>(i) * brake_step_J_, 0.0})};
+    for (std::size_t j = 0; j < tyre_nodes_; ++j) nodes_[j] = {.cost = problem_.costs.at_limit({0.0, static_cast<double>(j) * tyre_step_J_})};
     const double each = 1.0 / static_cast<double>(actions_.size());
     Outlook o;
     for (std::size_t i = 1; i < brake_nodes_; ++i) {  // every landing leads to a lower row
         for (std::size_t j = 1; j < tyre_nodes_; ++j) {
             outlook({static_cast<double>(i) * brake_step_J_, static_cast<double>(j) * tyre_step_J_}, o);
-            double cost = 0.0;
-            double landings = 0.0;
+            ToCome expected;
             std::size_t best = 0;
             for (std::size_t s = 0; s < actions_.size(); ++s) {
                 if (problem_.told || s == 0) best = best_of(o, s);
                 const Action& action = actions_[s][best];
-                cost += each * cost_of(o, action);
-                landings += each * (between(o.part, action.step, action.beyond) + between(o.landings, action.step, action.beyond));
+                expected.cost += each * cost_of(o, action);
+                expected.landings += each * (between(o.part, action.step, action.beyond) + between(o.landings, action.step, action.beyond));
             }
-            cost_[i * tyre_nodes_ + j] = cost;
-            to_come_[i * tyre_nodes_ + j] = landings;
+            nodes_[i * tyre_nodes_ + j] = expected;
         }
     }
 }

@@ -66,6 +66,11 @@ class Bound {
         std::vector<double> part;      // of the landing that comes before the limit
         std::vector<double> landings;  // that follow
     };
+    /// What follows one state.
+    struct ToCome {
+        double cost = 0.0;
+        double landings = 0.0;
+    };
     struct Action {
         double reference, distance_m;
         std::size_t step;  // of Outlook, below its share
@@ -77,13 +82,14 @@ class Bound {
     /// The best action of `surface`; of all where one must serve all.
     [[nodiscard]] std::size_t best_of(const Outlook& o, std::size_t surface) const;
     void sweep();
-    [[nodiscard]] double value(const std::vector<double>& of, const Pair& at) const;
+    /// Between the nodes around it.
+    [[nodiscard]] ToCome to_come(const Pair& at) const;
 
     BoundProblem problem_;
     std::vector<std::vector<Action>> actions_;  // of each surface; where one must serve all, the same references on each
     double brake_step_J_ = 0.0, tyre_step_J_ = 0.0;
     std::size_t brake_nodes_ = 0, tyre_nodes_ = 0;
-    std::vector<double> cost_, to_come_;  // at each node, tyre fastest
+    std::vector<ToCome> nodes_;  // tyre fastest
     double per_landing_ = 0.0;
     double landings_ = 0.0;
 };
