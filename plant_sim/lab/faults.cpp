@@ -104,6 +104,7 @@ struct FaultsCommand {
         wear::run_jobs(threads > 0 ? threads : wear::all_cores(), explain.size(),
                        [&](std::size_t i) { found[i] = faults::explain(campaign, case_of(campaign, "--explain", explain[i]), basis); });
         std::vector<faults::Explanation> explanations;
+        explanations.reserve(found.size());
         for (const auto& one : found) explanations.push_back(*one);
         keep_json(out / "explained.json", json_file, faults::to_json(campaign, explanations));
         print_table(json_file, "{}Written to {}: explained.json\n", faults::to_table(campaign, explanations), out.string());
