@@ -105,6 +105,10 @@ void run_section(SectionResult& result, const RunOptions& options) {
             command.status = kNotFound;
             command.errors = words.front() + ": no such program beside this one";
         } else {
+            // Verbs write single files into directories that are there.
+            for (const fs::path word : words)
+                if (word.has_extension() && word.parent_path().string().starts_with(result.directory.string()))
+                    fs::create_directories(word.parent_path());
             command.status = spawned(program, words, output, errors);
             command.output = contents_of(output);
             command.errors = contents_of(errors);
