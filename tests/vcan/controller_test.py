@@ -47,10 +47,10 @@ class ControllerTest(OnTheBus):
 
     def test_report_that_cannot_be_written(self):
         """[RT-073]"""
-        controller = self.start("--can", "vcan0", report="/proc/none/report.json")
+        controller = self.start("--can", "vcan0", report="/proc/report.json")
         self.assertTrue(controller.says("on vcan0"))
         self.assertEqual(controller.end(), 1)
-        self.assertIn("/proc/none", controller.log())
+        self.assertIn("/proc/report.json", controller.log())
 
     def test_missing_rights_are_named_with_their_cure(self):
         """[RT-103]"""
