@@ -58,11 +58,20 @@ Bound::Bound(BoundProblem problem) : problem_(std::move(problem)) {
     Pair greatest;
     for (const Pair& begin : problem_.begins) greatest = {std::max(greatest.brake_J, begin.brake_J), std::max(greatest.tyre_J, begin.tyre_J)};
     brake_step_J_ = problem_.brake_step_J > 0.0 ? problem_.brake_step_J : least_J;
-    tyre_step_J_ = problem_.tyre_step_J > 0.0 ? problem_.tyre_step_J : greatest.tyre_J / 400.0;
-    const auto nodes = [](double whole_J, double step_J) { return static_cast<std::size_t>(std::ceil(whole_J / step_J - 1e-9)) + 1; };
+    const double tyre_step_J = problem_.tyre_step_J > 0.0 ? problem_.tyre_step_J : greatest.tyre_J / 400.0;
+    // The coarse grid's cost a landing is where the fine one begins, which spares it half of its turns.
+    constexpr double kCoarse = 8.0;
+    for (const double step_J : {kCoarse * tyre_step_J, tyre_step_J}) settle(greatest, step_J);
+}
+
+void Bound::settle(const Pair& greatest, double tyre_step_J) {
+    tyre_step_J_ = tyre_step_J;
+    const auto nodes = [](double whole_J, double step_J) {
+        return std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil(whole_J / step_J - 1e-9)) + 1);
+    };
     brake_nodes_ = nodes(greatest.brake_J, brake_step_J_);
     tyre_nodes_ = nodes(greatest.tyre_J, tyre_step_J_);
-    nodes_.resize(brake_nodes_ * tyre_nodes_);
+    nodes_.assign(brake_nodes_ * tyre_nodes_, {});
     // Each turn takes the cost a landing of the policy that was best for the last one: as Newton's method it ends after a few.
     constexpr int kTurns = 20;
     for (int turn = 0; turn < kTurns; ++turn) {

@@ -81,6 +81,8 @@ class Bound {
     [[nodiscard]] double cost_of(const Outlook& o, const Action& action) const;
     /// The best action of `surface`; of all where one must serve all.
     [[nodiscard]] std::size_t best_of(const Outlook& o, std::size_t surface) const;
+    /// Values of all nodes, and the cost a landing, on a grid up to `greatest`; begins with per_landing_.
+    void settle(const Pair& greatest, double tyre_step_J);
     void sweep();
     /// Between the nodes around it.
     [[nodiscard]] ToCome to_come(const Pair& at) const;
