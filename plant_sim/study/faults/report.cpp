@@ -159,8 +159,7 @@ void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::fi
     const std::size_t surfaces = plan.surfaces.size();
     std::string in_each_phase;
     for (const Surface& surface : plan.surfaces) in_each_phase += (in_each_phase.empty() ? "" : ", ") + surface.name;
-    pictures::Map map{.title = fmt::format("{} runs, seed {}: the worst outcome of each cell; in each phase from left to right {}", rows.size(),
-                                           plan.seed, in_each_phase),
+    pictures::Map map{.title = fmt::format("{} runs, seed {}; columns of each phase: {}", rows.size(), plan.seed, in_each_phase),
                       .columns = columns,
                       .values = std::vector(pairs.size() * columns, std::numeric_limits<double>::quiet_NaN()),
                       .x = {0.0, static_cast<double>(columns - 1)},
