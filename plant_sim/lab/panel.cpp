@@ -46,9 +46,10 @@ struct PanelCommand {
             options.reads["run"] = [&recorded](const panel::Query& q) {
                 return recorded->run(q.text("campaign"), q.integer("number"), q.integer("attempt"));
             };
-            options.changes["note"] = [&recorded](const panel::Query& q) {
-                return recorded->note(q.text("campaign"), q.integer("number"), q.integer("attempt"), q.text("who"), q.text("text"));
-            };
+            if (recorded->with_ledger())
+                options.changes["note"] = [&recorded](const panel::Query& q) {
+                    return recorded->note(q.text("campaign"), q.integer("number"), q.integer("attempt"), q.text("who"), q.text("text"));
+                };
         }
         options.about.views.emplace_back("what_if");
         options.reads["stop"] = [&tried](const panel::Query& q) { return tried.stop(q); };
@@ -66,7 +67,8 @@ struct PanelCommand {
 LabVerb panel_verb(CLI::App& lab) {
     const auto command = std::make_shared<PanelCommand>();
     CLI::App* verb = lab.add_subcommand("panel", "Recorded maneuvers over each other, and stops that are tried by sliders, in a browser.");
-    settings::existing_directory(verb->add_option("FOLDER", command->folder, "of a campaign, with campaign.sqlite; without one only what-if"));
+    settings::existing_directory(
+        verb->add_option("FOLDER", command->folder, "of a campaign, or with folders of maneuvers; without one only what-if"));
     verb->add_option("--panel", command->at, "where it is served; port 0: any free one")->type_name("ADDRESS:PORT")->capture_default_str();
     settings::add_config_directory(*verb, command->config);
     settings::add_layout_files(*verb, command->dbc, command->binding);
@@ -74,6 +76,9 @@ LabVerb panel_verb(CLI::App& lab) {
         "Examples:\n"
         "  rig-lab panel\n"
         "  rig-lab panel runs/brake7\n"
+        "  rig-lab maneuver config/scenarios/heavy.toml --seed 1 --out landings/a\n"
+        "  rig-lab maneuver config/scenarios/heavy.toml --seed 2 --out landings/b\n"
+        "  rig-lab panel landings\n"
         "Runs until Ctrl-C. Notes need the token of the link that it prints.");
     return {verb, [command] { return command->run(); }};
 }

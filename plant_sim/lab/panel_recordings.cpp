@@ -11,6 +11,7 @@
 
 #include "firmware/control/types.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "plant_sim/study/identification/recording.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
@@ -18,6 +19,7 @@
 #include "rig_bridge/panel/curves.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/specimen.hpp"
+#include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
@@ -117,35 +119,69 @@ Curves read_curves(const std::filesystem::path& log, const antiskid::can::Layout
 
 }  // namespace
 
-PanelRecordings::PanelRecordings(std::filesystem::path folder, std::filesystem::path config, const antiskid::can::Layout& layout)
-    : folder_(std::move(folder)), config_(std::move(config)), layout_(layout) {
-    (void)record::read_campaigns(ledger());
+PanelRecordings::PanelRecordings(const std::filesystem::path& folder, std::filesystem::path config, const antiskid::can::Layout& layout)
+    : folder_(std::filesystem::weakly_canonical(folder)), config_(std::move(config)), layout_(layout) {
+    if (all().empty() && !with_ledger())
+        throw settings::Error(folder_.string(), 0, "", "no campaign.sqlite here, and no folder with the summary.json of a maneuver");
+}
+
+bool PanelRecordings::with_ledger() const {
+    return std::filesystem::exists(ledger());
+}
+
+std::vector<PanelRecordings::Recorded> PanelRecordings::all() const {
+    if (!with_ledger()) return in_folders();
+    std::vector<Recorded> all;
+    for (const record::Campaign& campaign : record::read_campaigns(ledger()))
+        for (record::LedgerRow& row : record::read_ledger(ledger(), campaign.name)) all.push_back({campaign.name, std::move(row)});
+    return all;
+}
+
+std::vector<PanelRecordings::Recorded> PanelRecordings::in_folders() const {
+    namespace fs = std::filesystem;
+    constexpr const char* kSummary = "summary.json";
+    std::vector<fs::path> folders;
+    if (fs::exists(folder_ / kSummary)) folders.push_back(folder_);
+    for (fs::recursive_directory_iterator at(folder_, fs::directory_options::skip_permission_denied), end; at != end; ++at) {
+        if (at.depth() == 1) at.disable_recursion_pending();
+        if (at->is_directory() && fs::exists(at->path() / kSummary)) folders.push_back(at->path());
+    }
+    std::sort(folders.begin(), folders.end());
+    std::vector<Recorded> all;
+    for (const fs::path& folder : folders) {
+        record::LedgerRow row;
+        // Maneuvers of different campaigns may have the same number; the page tells them apart by this one.
+        row.attempt = {.number = static_cast<std::int64_t>(all.size() + 1), .attempt = 1, .folder = folder};
+        row.summary = record::read_summary(folder / kSummary);
+        row.state = row.summary.outcome == name(record::RowState::finished) ? record::RowState::finished : record::RowState::aborted;
+        row.has_figures = true;
+        all.push_back({folder == folder_ ? folder.filename().string() : folder.lexically_relative(folder_).string(), std::move(row)});
+    }
+    return all;
 }
 
 std::string PanelRecordings::runs() const {
-    Json all{{"runs", Json::array()}};
-    for (const record::Campaign& campaign : record::read_campaigns(ledger()))
-        for (const record::LedgerRow& row : record::read_ledger(ledger(), campaign.name)) all["runs"].push_back(to_json(row, campaign.name));
-    return settings::json_line(all);
+    Json runs{{"runs", Json::array()}};
+    for (const Recorded& recorded : all()) runs["runs"].push_back(to_json(recorded.row, recorded.campaign));
+    return settings::json_line(runs);
 }
 
 std::string PanelRecordings::run(const std::string& campaign, std::int64_t number, std::int64_t attempt) const {
-    const std::vector<record::LedgerRow> rows = record::read_ledger(ledger(), campaign);
-    const auto row = std::find_if(rows.begin(), rows.end(),
-                                  [&](const record::LedgerRow& r) { return r.attempt.number == number && r.attempt.attempt == attempt; });
-    if (row == rows.end()) throw std::runtime_error(fmt::format("campaign {} has no attempt {} at maneuver {}", campaign, attempt, number));
-    const std::filesystem::path log = rig::replay::log_in(row->attempt.folder);
-    if (log.empty()) throw std::runtime_error(row->attempt.folder.string() + ": has no bus.log: this maneuver was not recorded on a bus");
-    const std::vector<record::Campaign> all = record::read_campaigns(ledger());
-    const auto whose = std::find_if(all.begin(), all.end(), [&](const record::Campaign& c) { return c.name == campaign; });
-    const rig::Scenario scenario = rig::load_scenario(config_ / "scenarios" / (whose->scenario + ".toml"), config_);
-    return "{\"columns\":" + read_curves(log, layout_, scenario).json() + "}";
+    for (const auto& [of, row] : all()) {
+        if (of != campaign || row.attempt.number != number || row.attempt.attempt != attempt) continue;
+        const std::filesystem::path log = rig::replay::log_in(row.attempt.folder);
+        if (log.empty()) throw std::runtime_error(row.attempt.folder.string() + ": has no bus.log: this maneuver was not recorded on a bus");
+        const rig::Scenario scenario = rig::load_scenario(config_ / "scenarios" / (row.summary.scenario + ".toml"), config_);
+        return "{\"columns\":" + read_curves(log, layout_, scenario).json() + "}";
+    }
+    throw std::runtime_error(fmt::format("campaign {} has no attempt {} at maneuver {}", campaign, attempt, number));
 }
 
 std::string PanelRecordings::note(const std::string& campaign, std::int64_t number, std::int64_t attempt, const std::string& who,
                                   const std::string& text) const {
     record::check_text("who", who);
     record::check_text("note", text);
+    if (!with_ledger()) throw record::LedgerError(folder_.string() + ": has no campaign.sqlite to keep a note in");  // opened, it would be made
     record::Ledger writing(ledger());
     writing.choose(campaign);
     writing.note(number, attempt, {.field = "notes", .text = text, .who = who, .made = rig::bridge::iso_8601(std::chrono::system_clock::now())});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "firmware/can/names.hpp"
@@ -24,6 +25,23 @@ using rig::panel::Query;
 using rig::panel::Signal;
 
 constexpr double kRow_s = 5e-3;
+constexpr std::string_view kRunway = "runway ";  // in front of a runway's name, which may be that of a surface
+
+std::filesystem::path runways_of(const std::filesystem::path& config) {
+    return config / "runways";
+}
+
+/// Every surface, then every runway.
+std::vector<std::string> roads(const std::filesystem::path& config) {
+    std::vector<std::string> runways;
+    if (std::filesystem::is_directory(runways_of(config)))
+        for (const auto& file : std::filesystem::directory_iterator(runways_of(config)))
+            if (file.path().extension() == ".toml") runways.push_back(std::string(kRunway) + file.path().stem().string());
+    std::sort(runways.begin(), runways.end());
+    std::vector<std::string> all = rig::surface_names(config);
+    all.insert(all.end(), runways.begin(), runways.end());
+    return all;
+}
 
 void check(const Field& field, const Query& query) {
     if (!field.words.empty()) {
@@ -57,7 +75,7 @@ LiveSample sample_of(const study::RigSession& session, const antiskid::can::Cont
 PanelStops::PanelStops(std::filesystem::path config) : config_(std::move(config)) {
     fields_ = {
         {.key = "maneuver", .label = "landing", .words = rig::maneuver_names(config_), .value = "heavy"},
-        {.key = "surface", .label = "surface", .words = rig::surface_names(config_), .value = "dry_asphalt"},
+        {.key = "surface", .label = "surface or runway", .words = roads(config_), .value = "dry_asphalt"},
         {.key = "law", .label = "law", .words = {"slip", "peak_slip", "threshold", "pressure_bias"}, .value = "slip"},
         {.key = "slip", .label = "slip reference", .min = 0.02, .max = 0.5, .step = 0.01, .value = "0.24"},
         {.key = "speed", .label = "speed at brake-on", .unit = "m/s", .min = 20.0, .max = 80.0, .step = 1.0, .value = "61"},
@@ -72,7 +90,11 @@ std::string PanelStops::stop(const Query& query) {
     StopOptions options;
     options.config = config_;
     options.choice.maneuver = query.text("maneuver");
-    options.choice.surface = query.text("surface");
+    const std::string road = query.text("surface");
+    if (road.starts_with(kRunway))
+        options.choice.runway = runways_of(config_) / (road.substr(kRunway.size()) + ".toml");
+    else
+        options.choice.surface = road;
     options.choice.speed_mps = query.number("speed");
     options.choice.friction = query.number("friction");
     options.law = query.text("law");

@@ -4,6 +4,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <cmath>
+#include <limits>
 
 #include "firmware/can/names.hpp"
 #include "firmware/control/controller.hpp"
@@ -62,16 +63,43 @@ void bind_rig(py::module_& m) {
         .def("figures", &RigLoop::figures);
 }
 
+double seconds_or_nan(Time time) {
+    return time == antiskid::control::kNever ? std::numeric_limits<double>::quiet_NaN() : antiskid::host::seconds(time);
+}
+
+void bind_sensors(py::module_& m) {
+    using antiskid::control::ManeuverInput;
+    using antiskid::control::PressureInput;
+    using antiskid::control::SpeedInput;
+    py::class_<Sensors> sensors(m, "Sensors");
+    sensors.def(py::init());
+    const auto value = [&sensors]<class Part, class Value>(const char* name, Part Sensors::*part, Value Part::*member) {
+        sensors.def_property(
+            name, [=](const Sensors& s) { return s.*part.*member; }, [=](Sensors& s, Value given) { s.*part.*member = given; });
+    };
+    const auto time = [&sensors](const char* name, auto of) {
+        sensors.def_property(
+            name, [of](Sensors& s) { return seconds_or_nan(of(s)); },
+            [of](Sensors& s, double given_s) { of(s) = std::isnan(given_s) ? antiskid::control::kNever : nanoseconds(given_s); });
+    };
+    value("wheel_edge_count", &Sensors::wheel, &SpeedInput::edge_count);
+    time("wheel_edge_s", [](Sensors& s) -> Time& { return s.wheel.edge_time; });
+    time("wheel_received_s", [](Sensors& s) -> Time& { return s.wheel.received; });
+    value("flywheel_edge_count", &Sensors::flywheel, &SpeedInput::edge_count);
+    time("flywheel_edge_s", [](Sensors& s) -> Time& { return s.flywheel.edge_time; });
+    time("flywheel_received_s", [](Sensors& s) -> Time& { return s.flywheel.received; });
+    value("pressure_Pa", &Sensors::pressure, &PressureInput::pressure_Pa);
+    time("pressure_received_s", [](Sensors& s) -> Time& { return s.pressure.received; });
+    value("arm", &Sensors::maneuver, &ManeuverInput::arm);
+    value("weight_on_wheels", &Sensors::maneuver, &ManeuverInput::weight_on_wheels);
+    value("demand_Pa", &Sensors::maneuver, &ManeuverInput::demand_Pa);
+    value("slip_reference", &Sensors::maneuver, &ManeuverInput::slip_reference);
+    time("maneuver_received_s", [](Sensors& s) -> Time& { return s.maneuver.received; });
+    time("rig_heartbeat_received_s", [](Sensors& s) -> Time& { return s.rig_heartbeat_received; });
+    sensors.def_readwrite("emergency_stop", &Sensors::emergency_stop);
+}
+
 void bind_controller(py::module_& m) {
-    py::class_<Sensors>(m, "Sensors")
-        .def(py::init())
-        .def_property_readonly("wheel_edge_count", [](const Sensors& s) { return s.wheel.edge_count; })
-        .def_property_readonly("wheel_edge_s", [](const Sensors& s) { return antiskid::host::seconds(s.wheel.edge_time); })
-        .def_property_readonly("flywheel_edge_count", [](const Sensors& s) { return s.flywheel.edge_count; })
-        .def_property_readonly("flywheel_edge_s", [](const Sensors& s) { return antiskid::host::seconds(s.flywheel.edge_time); })
-        .def_property_readonly("pressure_Pa", [](const Sensors& s) { return s.pressure.pressure_Pa; })
-        .def_property_readonly("demand_Pa", [](const Sensors& s) { return s.maneuver.demand_Pa; })
-        .def_property_readonly("slip_reference", [](const Sensors& s) { return s.maneuver.slip_reference; });
     py::class_<Command>(m, "Command")
         .def(py::init())
         .def_readwrite("current_mA", &Command::current_mA)
@@ -256,6 +284,7 @@ PYBIND11_MODULE(_native, m) {
     namespace py = pybind11;
     plant_sim::python::bind_scenario(m);
     plant_sim::python::bind_rig(m);
+    plant_sim::python::bind_sensors(m);
     plant_sim::python::bind_controller(m);
     plant_sim::python::bind_ledger(m);
     plant_sim::python::bind_wear(m);

@@ -95,7 +95,8 @@ async function recorded() {
 
   const draw = () => {
     const runs = chosen.map(key => ({ ...list.find(r => id(r) === key), ...loaded.get(key) })).filter(r => r.columns);
-    runs.forEach(run => { run.name = `${run.number}${run.attempt > 1 ? '.' + run.attempt : ''}`; });
+    const of = run => list.some(r => r.campaign !== run.campaign) ? run.campaign + ' ' : '';
+    runs.forEach(run => { run.name = `${of(run)}${run.number}${run.attempt > 1 ? '.' + run.attempt : ''}`; });
     overlay.draw(runs);
     const rows = runs.length ? Object.keys(runs[0].configuration).map(key => [key, runs.map(r => r.configuration[key])])
       .concat(Object.keys(runs[0].figures).map(key => [key, runs.map(r => r.figures[key])])) : [];
@@ -182,7 +183,7 @@ function whatIf() {
     (field.words || []).forEach(word => input.append(make('option', word)));
     input.value = field.value;
     const told = () => { shown.textContent = field.words ? '' : input.value + ' ' + field.unit; };
-    input.oninput = () => { told(); run(); };
+    input[field.words ? 'onchange' : 'oninput'] = () => { told(); run(); };
     told();
     label.append(shown, input);
     form.append(label);

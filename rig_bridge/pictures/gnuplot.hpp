@@ -22,8 +22,8 @@ enum Colour : std::size_t { blue, vermillion, green, purple, orange, sky, black,
     return kColours[i % kColours.size()];
 }
 
-/// Runs `commands`, with light grid and border, into `png` and a .svg beside it, pictures of `width` x `height` pixels; their folder
-/// is made. Throws std::runtime_error when gnuplot is not installed or fails, with what it said.
-void run_gnuplot(const std::filesystem::path& png, int width, int height, const std::string& commands);
+/// Runs `commands`, with light grid and border, into `picture`, a PNG, and a .svg beside it, of `width` x `height` pixels; where `picture` is the
+/// .svg the .png lies beside it. Their folder is made. Throws std::runtime_error when gnuplot is not installed or fails, with what it said.
+void run_gnuplot(const std::filesystem::path& picture, int width, int height, const std::string& commands);
 
 }  // namespace pictures

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The panel in headless Chromium: live values move and the token decides, two maneuvers lie over each other, a note with HTML stays text, a slider
-draws a stop; pages at 1280 and 400 pixels. [BRG-520] [BRG-521] [STUDY-190]
+"""The panel in headless Chromium: live values move and the token decides, two maneuvers lie over each other, a note with HTML stays text, sliders
+and a runway draw a stop; pages at 1280 and 400 pixels. [BRG-520] [BRG-521] [STUDY-190]
 
     panel_in_browser.py RIG_LAB PANEL_OF_NOTHING
 
@@ -20,7 +20,7 @@ from selenium import webdriver
 from selenium.common.exceptions import TimeoutException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
-from selenium.webdriver.support.ui import WebDriverWait
+from selenium.webdriver.support.ui import Select, WebDriverWait
 
 NOTE = "<img src=x onerror=\"document.title='taken over'\"> tread cut"
 good = True
@@ -213,6 +213,20 @@ def recorded(driver, lab, folder):
         time.sleep(0.5)
         picture(driver, "panel")
         fits(driver, "what_if")
+        Select(driver.find_element(By.CSS_SELECTOR, "#sliders [name=surface]")).select_by_visible_text("runway wet_middle")
+        wait(driver, lambda d: "runway wet_middle slip 0.12" in text(d, "what_if_figures"))
+        check("a runway is tried", True)
+
+
+def without_ledger(driver, lab, folder):
+    """Two clicks: what `rig-lab maneuver` or an import has left."""
+    with program(lab, "panel", folder, "--panel", "127.0.0.1:0") as (url, _):
+        driver.get(url)
+        for box in wait(driver, lambda d: d.find_elements(By.CSS_SELECTOR, "#runs input")):
+            box.click()
+        wait(driver, lambda d: "0002 2 slip" in text(d, "recorded_charts"))
+        check("maneuvers of folders lie over each other, too", "0001 1 slip" in text(driver, "recorded_charts"))
+        check("without a ledger no note is asked for", not driver.find_element(By.ID, "note").is_displayed())
 
 
 def main():
@@ -225,6 +239,7 @@ def main():
         with browser(folder) as driver:
             sized(driver, 1280)
             recorded(driver, lab, folder)
+            without_ledger(driver, lab, folder / "brake" / "heavy")
             quiet(driver, "recorded and what if")
     sys.exit(0 if good else 1)
 

@@ -9,7 +9,10 @@
 #include "firmware/host/settings/json.hpp"
 #include "plant_sim/lab/panel_recordings.hpp"
 #include "plant_sim/lab/panel_stops.hpp"
+#include "plant_sim/stop_options.hpp"
+#include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/record/ledger.hpp"
+#include "rig_bridge/record/summary_file.hpp"
 #include "tests/catch.hpp"
 
 using namespace plant_sim::lab;
@@ -52,6 +55,26 @@ TEST_CASE("a stop that is tried is the stop of rig-lab stop", "[STUDY-190]") {
         CHECK(columns[key].size() == columns["t"].size());
 }
 
+TEST_CASE("a runway is tried as a surface is", "[STUDY-190]") {
+    PanelStops stops("config");
+    const auto distance_m = [&](const std::string& road) {
+        auto query = heavy();
+        query.erase("surface");
+        query.emplace("surface", road);
+        return settings::Json::parse(stops.stop(Query(query)))["figures"]["stop distance, m"].get<double>();
+    };
+    plant_sim::StopOptions options;
+    options.choice.runway = "config/runways/wet_middle.toml";
+    options.choice.speed_mps = 61.0;
+    options.choice.friction = 0.30;
+    const plant_sim::StopInputs inputs = plant_sim::load_scenario(options);
+    const auto stop = study::run_in_process(inputs.controller, inputs.layout, inputs.plant.rig, inputs.session, study::Link::rounded);
+    CHECK(distance_m("runway wet_middle") == stop.figures.stop_distance_m);
+    CHECK(distance_m("dry_concrete") < distance_m("runway wet_middle"));
+    CHECK_THROWS_WITH(distance_m("wet_middle"), Catch::StartsWith("surface: expected one of"));
+    CHECK_THROWS_WITH(distance_m("runway ../../config/runways/wet_middle"), Catch::StartsWith("surface: expected one of"));
+}
+
 TEST_CASE("what is not among the fields is refused by name", "[STUDY-190]") {
     PanelStops stops("config");
     const std::multimap<std::string, std::string> wrong{{"maneuver", "../heavy"}, {"surface", ""},  {"law", "open_loop"},
@@ -62,6 +85,39 @@ TEST_CASE("what is not among the fields is refused by name", "[STUDY-190]") {
         query.emplace(key, value);
         CHECK_THROWS_WITH(stops.stop(Query(query)), Catch::StartsWith(key + ":"));
     }
+}
+
+TEST_CASE("maneuvers without a ledger are their folders with a summary", "[STUDY-190]") {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "panel_folders_test";
+    std::filesystem::remove_all(folder);
+    rig::record::Summary summary;
+    summary.number = 1;
+    summary.scenario = "heavy";
+    for (const char* const place : {"a", "night/0001", "deeper/than/two"}) {
+        std::filesystem::create_directories(folder / place);
+        summary.outcome = *place == 'a' ? "finished" : "recording_broken";
+        summary.figures.length_m += 100.0;
+        rig::record::write_summary(folder / place / "summary.json", summary);
+    }
+    const auto layout = antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml");
+    const PanelRecordings recordings(folder, "config", layout);
+    const auto runs = settings::parse_json(recordings.runs())["runs"];
+    REQUIRE(runs.size() == 2);
+    CHECK(runs[0]["campaign"] == "a");
+    CHECK(runs[0]["state"] == "finished");
+    CHECK(runs[1]["campaign"] == "night/0001");
+    CHECK(runs[1]["number"] == 2);
+    CHECK(runs[1]["state"] == "aborted: recording_broken");
+    CHECK(runs[1]["figures"]["length, m"] == 200.0);
+    CHECK_THROWS_WITH(recordings.run("night/0001", 2, 1), Catch::Contains("night/0001: has no bus.log"));
+    CHECK_THROWS_WITH(recordings.run("../panel_folders_test/a", 1, 1), Catch::Contains("no attempt"));
+    CHECK_FALSE(recordings.with_ledger());
+    CHECK_THROWS_WITH(recordings.note("a", 1, 1, "A. Rossi", "text"), Catch::Contains("campaign.sqlite"));
+    CHECK_FALSE(std::filesystem::exists(folder / "campaign.sqlite"));
+    // One maneuver's own folder, however its path is written.
+    const PanelRecordings one(folder / "a" / "", "config", layout);
+    CHECK(settings::parse_json(one.runs())["runs"].at(0)["figures"]["length, m"] == 100.0);
+    std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("attempts of a ledger, and a note to one", "[STUDY-190]") {

@@ -96,6 +96,9 @@ TEST_CASE("what gnuplot says reaches whoever asked for a picture, and nothing is
     const std::string much = "$d << EOD\n" + std::string(200'000, ' ') + "\n1\nEOD\nplot $d\n";
     pictures::run_gnuplot(dir.path() / "made" / "f.png", 100, 100, much);
     CHECK(std::filesystem::exists(dir.path() / "made" / "f.svg"));
+    pictures::run_gnuplot(dir.path() / "asked" / "v1.2.svg", 100, 100, much);
+    CHECK_THAT(bytes(dir.path() / "asked" / "v1.2.svg"), ContainsSubstring("<svg"));
+    CHECK(bytes(dir.path() / "asked" / "v1.2.png").starts_with("\x89PNG"));
     const std::string path = std::getenv("PATH");
     ::setenv("PATH", dir.path().c_str(), 1);
     CHECK_THROWS_WITH(pictures::run_gnuplot(dir.path() / "g.png", 100, 100, much), ContainsSubstring("is gnuplot-nox installed?"));

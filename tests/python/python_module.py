@@ -65,6 +65,29 @@ def batches():
     assert figures["faults"] == []
 
 
+def own_sensors():
+    """The controller with sensors made in Python: the same stop; and with a gauge that reads what no brake has."""
+    scenario = antiskid.Scenario(maneuver="light", surface="wet_asphalt")
+    names = [name for name in vars(antiskid.Sensors) if not name.startswith("_")]
+    rig, controller = scenario.rig(), scenario.controller()
+    assert controller.step(antiskid.Sensors(), rig.now_s).current_mA == controller.step(antiskid.Sensors(), rig.now_s).current_mA
+    assert antiskid.Sensors().wheel_received_s != antiskid.Sensors().wheel_received_s  # nan: never
+    controller = scenario.controller()
+    while not rig.done:
+        heard, made = rig.sensors(), antiskid.Sensors()
+        for name in names:
+            setattr(made, name, getattr(heard, name))
+        rig.apply(controller.step(made, rig.now_s))
+    assert rig.figures() == closed_in_python(scenario)
+    rig, controller = scenario.rig(), scenario.controller()
+    while not rig.done:
+        sensors = rig.sensors()
+        if rig.braking:
+            sensors.pressure_Pa = 1e9
+        rig.apply(controller.step(sensors, rig.now_s))
+    assert any("pressure" in fault for fault in rig.figures()["faults"]), rig.figures()["faults"]
+
+
 def page():
     """The law of the page, which anybody may begin with."""
     text = pathlib.Path("docs/user/python.md").read_text()
@@ -157,6 +180,7 @@ def stub():
 same_as_the_program()
 recorded()
 batches()
+own_sensors()
 logs()
 page()
 refused(ValueError, "out of range 0 to 0.5", slip=0.7)

@@ -256,20 +256,25 @@ class Rig:
         """As stop()."""
 
 class Sensors:
-    @property
-    def wheel_edge_count(self) -> int: ...
-    @property
-    def wheel_edge_s(self) -> float: ...
-    @property
-    def flywheel_edge_count(self) -> int: ...
-    @property
-    def flywheel_edge_s(self) -> float: ...
-    @property
-    def pressure_Pa(self) -> float: ...
-    @property
-    def demand_Pa(self) -> float: ...
-    @property
-    def slip_reference(self) -> float: ...
+    """What a controller may know at a step. Those of a rig may be changed, to try a sensor's fault; a new one has heard of nothing yet. `..._received_s`:
+    when that was heard last, by the clock of Controller.step(); nan: never. What is too old is a fault."""
+
+    def __init__(self) -> None: ...
+    wheel_edge_count: int  # since any start; rolls over at 2^32
+    wheel_edge_s: float  # time of that edge, by the sensor's own clock
+    wheel_received_s: float
+    flywheel_edge_count: int
+    flywheel_edge_s: float
+    flywheel_received_s: float
+    pressure_Pa: float
+    pressure_received_s: float
+    arm: bool  # false to true earns permission
+    weight_on_wheels: bool
+    demand_Pa: float  # the ceiling of brake pressure
+    slip_reference: float
+    maneuver_received_s: float  # of the four above
+    rig_heartbeat_received_s: float
+    emergency_stop: bool
 
 class Command:
     current_mA: float
