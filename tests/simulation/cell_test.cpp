@@ -60,6 +60,7 @@ std::vector<Bug> bugs() {
         wrong("time-outs by the wall clock", 124, BridgeMistake::waits_by_wall_clock),
         bug("a meter that takes a silent encoder for a shaft that stands", 597,
             [](CellSetup& s) { s.bridge.meter.sensor_late_s = std::numeric_limits<double>::infinity(); }),
+        bug("readings of a PLC that stands still go on the bus", 0, [](CellSetup& s) { s.bridge.limits.load_cells_s = kNever_s; }),
         bug("frames without CRC and counter", 102,
             [](CellSetup& s) {
                 for (const antiskid::can::Role role : antiskid::can::kEveryRole) s.bridge.layout[role].protection = {};
@@ -104,8 +105,9 @@ TEST_CASE("whatever fails in a cell, no brake without permission, nothing lost o
 }
 
 TEST_CASE("seeds of cells in which something did not hold once", "[BRG-702]") {
-    // Sensor frames damaged, or late and out of order, in braking; a bridge that stands while the wall clock is set and set back.
-    for (const std::uint64_t seed : {2'000'232U, 2'000'950U, 2'001'079U, 2'001'883U, 2'001'193U, 2'002'242U}) {
+    // Sensor frames damaged, or late and out of order, in braking; a bridge that stands while the wall clock is set and set back; a PLC whose
+    // registers stand still while torque builds up.
+    for (const std::uint64_t seed : {2'000'232U, 2'000'950U, 2'001'079U, 2'001'883U, 2'001'193U, 2'002'242U, 3'005'770U}) {
         CAPTURE(seed);
         for (const std::string& violation : run_cell_campaign(sound(), seed, faults_of(seed)).violations) FAIL_CHECK(violation);
     }
