@@ -60,7 +60,6 @@ std::vector<Bug> bugs() {
         wrong("time-outs by the wall clock", 124, BridgeMistake::waits_by_wall_clock),
         bug("a meter that takes a silent encoder for a shaft that stands", 597,
             [](CellSetup& s) { s.bridge.meter.sensor_late_s = std::numeric_limits<double>::infinity(); }),
-        bug("readings of a PLC that stands still go on the bus", 0, [](CellSetup& s) { s.bridge.limits.load_cells_s = kNever_s; }),
         bug("frames without CRC and counter", 102,
             [](CellSetup& s) {
                 for (const antiskid::can::Role role : antiskid::can::kEveryRole) s.bridge.layout[role].protection = {};
@@ -136,6 +135,13 @@ TEST_CASE("each mistake of the programs in a cell is found", "[BRG-702]") {
         INFO(one.name);
         CHECK(found(one, one.first).has_value());
     }
+}
+
+TEST_CASE("readings of a PLC that stands still, said again on the bus, are found", "[BRG-702]") {
+    // Apart from the others since it is rare: none of the seeds 1 to 500 shows it.
+    constexpr std::uint64_t kSeed = 3'005'770;
+    const CellSetup setup = bug("", kSeed, [](CellSetup& s) { s.bridge.limits.load_cells_s = kNever_s; }).setup;
+    CHECK_FALSE(run_cell_campaign(setup, kSeed, faults_of(kSeed)).violations.empty());
 }
 
 TEST_CASE("no seed before it finds a mistake", "[.]") {
