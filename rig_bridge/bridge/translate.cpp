@@ -124,8 +124,8 @@ antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc) {
 }
 
 bool load_cells_fresh(const modbus::Snapshot& plc, const Freshness& limits) {
-    return plc.fresh(Measured::vertical_load_N, limits.load_cells_s) && plc.fresh(Measured::longitudinal_force_N, limits.load_cells_s) &&
-           plc.fresh(Measured::brake_torque_Nm, limits.load_cells_s);
+    return plc.plc_watchdog_age_s <= limits.load_cells_s && plc.fresh(Measured::vertical_load_N, limits.load_cells_s) &&
+           plc.fresh(Measured::longitudinal_force_N, limits.load_cells_s) && plc.fresh(Measured::brake_torque_Nm, limits.load_cells_s);
 }
 
 }  // namespace rig::bridge

@@ -1,6 +1,7 @@
 #include "rig_bridge/bridge/node.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rig_bridge/bridge/view_model.hpp"
 #include "tests/bridge/fakes.hpp"
@@ -60,6 +61,21 @@ TEST_CASE("The bridge's frames go out at their periods, load cells only while th
         b.bus.sent.clear();
         b.plc.now = good_plc();
         b.plc.now.age_s[static_cast<std::size_t>(cell)] = 0.11;
+        for (int i = 0; i < 10; ++i) b.step(nullptr);
+        CHECK(b.sent(Role::load_cells) == 0);
+        CHECK(b.sent(Role::maneuver) == 5);
+    }
+}
+
+TEST_CASE("Readings of a PLC that stands still do not go on the bus, however often they are read", "[BRG-400]") {
+    Bench b;
+    // The slowest PLC of the register map moves its watchdog each 100 ms.
+    b.plc.now.plc_watchdog_age_s = 0.1;
+    for (int i = 0; i < 10; ++i) b.step(nullptr);
+    CHECK(b.sent(Role::load_cells) == 10);
+    for (const double age_s : {0.101, 0.299, double{NAN}}) {
+        b.bus.sent.clear();
+        b.plc.now.plc_watchdog_age_s = age_s;
         for (int i = 0; i < 10; ++i) b.step(nullptr);
         CHECK(b.sent(Role::load_cells) == 0);
         CHECK(b.sent(Role::maneuver) == 5);

@@ -88,6 +88,28 @@ TEST_CASE("what a brake took that was released unheard counts as soon as the fly
     }
 }
 
+TEST_CASE("what load cells said before the brake came on is not its torque while the PLC stands still", "[BRG-200]") {
+    ClosedForm c;
+    const double shorter = 8.1 / c.a1_mps2;
+    c.v0_mps = 25.0;
+    c.a1_mps2 = c.a2_mps2 = 8.1;
+    c.torque_Nm *= shorter;
+    c.force_N *= shorter;
+    constexpr double kStands_s = 0.299;   // just below plc_timeout_ms: nothing is aborted
+    constexpr double kSaidAgain_s = 0.1;  // by the bridge: load_cells_ms
+    for (const double from_s : {1.91, 1.95, 1.99}) {
+        CAPTURE(from_s);
+        const auto stands = [=](double t, RigSample& sample) {
+            if (t > from_s && t < from_s + kStands_s) sample.load_cells.brake_torque_Nm = sample.load_cells.longitudinal_N = 0.0F;
+        };
+        const BusMeter meter = metered(c, true, {{Role::load_cells}, from_s + kSaidAgain_s, from_s + kStands_s}, stands);
+        CHECK(meter.figures().energy_brake_J == Approx(brake_J(c, 0.0)).epsilon(0.015));
+        CHECK(names(meter.warnings()) == std::vector<std::string>{"energy_by_speeds"});
+        // Said again for as long as the PLC stands, it counts: no record tells it from a brake that lets go.
+        CHECK(metered(c, true, {}, stands).figures().energy_brake_J < 0.95 * brake_J(c, 0.0));
+    }
+}
+
 TEST_CASE("a record that ends before a braking flywheel is heard again names the most that is not in it", "[BRG-261]") {
     const ClosedForm c;
     for (const std::vector<Role>& roles : {kEncoders, kSensors}) {
