@@ -100,7 +100,7 @@ void Session::tell_panel(const Moment& moment, bool resting) {
     view.phase = phase_;
     view.abort = aborted_by_;
     if (!rest_note_.empty()) view.note = rest_note_;
-    feed_->state(panel_state(view, moment), now_s);
+    feed_->state([view, moment] { return panel_state(view, moment); }, now_s);
 }
 
 void Session::meanwhile(const std::function<void()>& work) {
@@ -139,7 +139,7 @@ bool Session::view_due(const Moment& moment, Phase phase, rig::Abort abort) cons
 void Session::present(const ViewModel& view, const Moment& moment) {
     const double now_s = std::chrono::duration<double>(moment.now).count();
     if (terminal_.due(now_s, view.phase, view.abort)) terminal_.show(view, now_s);
-    if (feed_ != nullptr && feed_->state_due(now_s)) feed_->state(panel_state(view, moment), now_s);
+    if (feed_ != nullptr && feed_->state_due(now_s)) feed_->state([view, moment] { return panel_state(view, moment); }, now_s);
 }
 
 void Session::await_ready(const ManeuverRequest& request, const ManeuverRun& run) {

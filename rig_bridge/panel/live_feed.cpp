@@ -43,10 +43,10 @@ std::string Pixel::json() const {
     return out + "]}";
 }
 
-void LiveFeed::state(std::string json, double now_s) {
+void LiveFeed::state(Text text, double now_s) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return;
-    state_ = std::move(json);
+    state_.swap(text);
     next_state_s_ = now_s + kState_s;
 }
 
@@ -54,12 +54,13 @@ void LiveFeed::collect(const Publish& publish) {
     Pixel pixel;
     for (LiveSample sample; ring_.pop(sample);) pixel.add(sample);
     if (!pixel.empty()) publish("pixel", pixel.json());
-    std::optional<std::string> state = states_ ? states_() : std::nullopt;
-    if (!state) {
+    if (const auto state = states_ ? states_() : std::nullopt) publish("state", *state);
+    Text text;
+    {
         const std::lock_guard lock(mutex_);
-        state.swap(state_);
+        text.swap(state_);
     }
-    if (state) publish("state", *state);
+    if (text) publish("state", text());
 }
 
 }  // namespace rig::panel

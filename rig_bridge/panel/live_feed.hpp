@@ -1,5 +1,5 @@
-/// What a program's loop hands to its panel, without ever waiting for it: samples through a ring, states as a text that is left out while
-/// the panel reads the one before.
+/// What a program's loop hands to its panel, without ever waiting for it: samples through a ring, states as a function that makes their text in
+/// the panel's thread.
 #pragma once
 
 #include <array>
@@ -71,10 +71,12 @@ class LiveFeed {
 
     /// What does not fit is left out: the panel stands still, not the loop.
     void sample(const LiveSample& sample) { (void)ring_.push(sample); }
-    /// Whether states are wanted again: making their text costs.
+    /// Whether states are wanted again.
     [[nodiscard]] bool state_due(double now_s) const { return now_s >= next_state_s_ || now_s < next_state_s_ - 2.0 * kState_s; }
-    /// States that the loop makes, as one JSON object. Left out, and due again at once, while the reader has the one before.
-    void state(std::string json, double now_s);
+    using Text = std::function<std::string()>;
+    /// States of the loop; `text` makes one JSON object of them, in the reader's thread, so it owns what it needs. Left out, and due again at once,
+    /// while the reader takes the one before.
+    void state(Text text, double now_s);
 
     using Publish = std::function<void(std::string_view event, const std::string& data)>;
     /// Reader only: one pixel of all samples since the last call, and the states if there are new ones.
@@ -86,7 +88,7 @@ class LiveFeed {
     double next_state_s_ = 0.0;
     States states_;
     std::mutex mutex_;
-    std::optional<std::string> state_;
+    Text state_;
 };
 
 }  // namespace rig::panel

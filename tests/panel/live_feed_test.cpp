@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -51,12 +52,29 @@ TEST_CASE("a pixel keeps the least, the greatest and the last of its samples", "
 TEST_CASE("states are due ten times a second, and come once", "[BRG-520]") {
     LiveFeed feed;
     CHECK(feed.state_due(5.0));
-    feed.state("{}", 5.0);
+    feed.state([] { return "{}"; }, 5.0);
     CHECK_FALSE(feed.state_due(5.05));
     CHECK(feed.state_due(5.11));
     CHECK(feed.state_due(0.0));  // the clock began anew
     CHECK(collected(feed) == Events{{"state", "{}"}});
     CHECK(collected(feed).empty());
+}
+
+TEST_CASE("the text of states is made by the reader, and only of the newest", "[BRG-520]") {
+    LiveFeed feed;
+    std::vector<std::thread::id> made_by;
+    for (const double now_s : {5.0, 5.1})
+        feed.state(
+            [&made_by] {
+                made_by.push_back(std::this_thread::get_id());
+                return std::string("{}");
+            },
+            now_s);
+    CHECK(made_by.empty());
+    std::thread reader([&feed] { (void)collected(feed); });
+    const std::thread::id id = reader.get_id();
+    reader.join();
+    CHECK(made_by == std::vector{id});
 }
 
 TEST_CASE("a loop that nobody reads goes on", "[BRG-520]") {

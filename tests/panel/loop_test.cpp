@@ -28,7 +28,7 @@ TEST_CASE("samples and states of a loop wait for no lock", "[BRG-520]") {
     rig::panel::LiveFeed feed;
     traps::clear();
     for (int i = 0; i < 100; ++i) {
-        std::string text = "{\"a state that is too long for a string's own room\":0}";
+        rig::panel::LiveFeed::Text text = [facts = std::string(100, 'x')] { return facts; };
         const traps::Armed armed;
         feed.sample({});
         feed.state(std::move(text), i);

@@ -49,7 +49,7 @@ int run() {
             if (aborts > 0)
                 state["alarms"].push_back(
                     {{"name", "abort: operator"}, {"happened", "you asked for it"}, {"next", "start again when you are ready"}});
-            feed.state(state.dump(), t);
+            feed.state([text = state.dump()] { return text; }, t);
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }

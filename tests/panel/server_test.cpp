@@ -179,7 +179,7 @@ TEST_CASE("a viewer that takes nothing is dropped, and the others have everythin
     for (int i = 0; !dropped && Clock::now() < end; ++i) {
         both = both || server.viewers() == 2;
         feed.sample({});
-        feed.state(large, i);
+        feed.state([large] { return large; }, i);
         (void)reads.read_until("event: state\ndata: \"");
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
         dropped = both && server.viewers() == 1;
