@@ -31,8 +31,8 @@ struct Freshness {
 /// What the bridge says on the bus; load cells apart, see load_cells().
 [[nodiscard]] antiskid::can::RigSample telegram(const rig::Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number);
 [[nodiscard]] antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc);
-/// Both the answer and what is in it: registers of a PLC that stands still are read as often as those of one that runs. The slowest PLC that the
-/// register map allows counts plc_watchdog each 100 ms, so that at most the frames of one request are missing.
+/// All three read within `load_cells_s`, and plc_watchdog has moved within it: a PLC that stands still answers, too, with readings of before. The
+/// slowest PLC that the register map allows counts each 100 ms, so with a limit of 100 ms the frames of one request may be missing.
 [[nodiscard]] bool load_cells_fresh(const modbus::Snapshot& plc, const Freshness& limits);
 
 }  // namespace rig::bridge

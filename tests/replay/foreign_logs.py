@@ -186,7 +186,7 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         logs = Logs(pathlib.Path(directory))
         recorded = logs.directory / "recorded"
-        # From 32 m/s, since every frame is read some thirty times.
+        # From 32 m/s: every frame is read many times.
         endurance = pathlib.Path("config/scenarios/endurance.toml").read_text()
         controller = pathlib.Path("config/controller_endurance.toml").resolve()
         slow = endurance.replace('"controller_endurance.toml"', f'"{controller}"').replace("[law]", "speed_mps = 32.0\n\n[law]")
