@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "firmware/host/settings/command_line.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 
 namespace plant_sim {

@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <string>
 
-#include "firmware/host/settings/command_line.hpp"
 #include "rig_bridge/wear/wearing_brake.hpp"
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+class App;       // its header takes seconds
+}
 
 namespace plant_sim {
 

@@ -21,6 +21,7 @@
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "firmware/host/supervised_can.hpp"

@@ -8,6 +8,7 @@
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/drive.hpp"
 #include "plant_sim/wear/brake_state.hpp"

@@ -7,7 +7,6 @@
 
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
-#include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/study/report.hpp"

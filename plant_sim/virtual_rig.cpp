@@ -16,6 +16,7 @@
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/rig_node.hpp"
 #include "plant_sim/serve_command.hpp"

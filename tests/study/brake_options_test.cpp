@@ -1,6 +1,7 @@
 /// Which brake a landing is run with, and that it is kept from one to the next.
 #include "plant_sim/brake_options.hpp"
 
+#include "firmware/host/settings/command_line.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"
