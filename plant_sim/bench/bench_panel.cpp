@@ -142,7 +142,8 @@ class BridgeLoop final : public Loop {
         const double now_s = std::chrono::duration<double>(now).count();
         panel_->feed.sample(rig::bridge::live_sample(moment));
         if (!panel_->feed.state_due(now_s)) return;
-        panel_->feed.state([view = rig::bridge::view_of(moment, node_.limits()), moment] { return rig::bridge::panel_state(view, moment); }, now_s);
+        panel_->feed.state(
+            [view = rig::bridge::view_of(moment, node_.limits()), moment] { return rig::bridge::panel_state(view, moment, std::nullopt); }, now_s);
     }
 
   private:

@@ -4,12 +4,14 @@
 
 #include <chrono>
 #include <csignal>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/hold.hpp"
+#include "rig_bridge/bridge/panel_state.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/record/specimen.hpp"
 
@@ -48,8 +50,14 @@ panel::ServerOptions options_of(const BridgeSetup& setup, const std::filesystem:
 }  // namespace
 
 BridgePanel::BridgePanel(const BridgeSetup& setup, const std::filesystem::path& campaign, antiskid::host::StopSignals& stops, Terminal& terminal)
-    : server_(options_of(setup, campaign, stops), &feed_) {
+    : campaign_(campaign), server_(options_of(setup, campaign, stops), &feed_) {
     terminal.say("rig-bridge: " + server_.greeting());
+}
+
+void BridgePanel::state(const ViewModel& view, const Moment& moment, double now_s) {
+    feed_.state(
+        [this, view, moment] { return panel_state(view, moment, campaign_.empty() ? std::nullopt : std::optional(standing(campaign_, begun_))); },
+        now_s);
 }
 
 }  // namespace rig::bridge

@@ -1,11 +1,15 @@
 /// The panel of a bridge at work: what the main loop hands over, and what a person with the token may ask for. Constructed ahead of real time.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <string>
 
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
+#include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
+#include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/panel/live_feed.hpp"
 #include "rig_bridge/panel/server.hpp"
 
@@ -18,8 +22,14 @@ class BridgePanel {
     BridgePanel(const BridgeSetup& setup, const std::filesystem::path& campaign, antiskid::host::StopSignals& stops, Terminal& terminal);
 
     [[nodiscard]] panel::LiveFeed& feed() { return feed_; }
+    /// A maneuver of the campaign was begun, now or in an earlier session: what lets it go on is no start any more.
+    void begun() { begun_ = true; }
+    /// To the feed. Whether the campaign is held is read from the disk when the server asks, in its thread.
+    void state(const ViewModel& view, const Moment& moment, double now_s);
 
   private:
+    std::filesystem::path campaign_;
+    std::atomic<bool> begun_{false};
     panel::LiveFeed feed_;
     panel::Server server_;
 };

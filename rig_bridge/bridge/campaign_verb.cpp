@@ -61,7 +61,7 @@ std::string now_text() {
 class CampaignRun {
   public:
     CampaignRun(const BridgeSetup& setup, const CampaignCommand& command, std::string name, antiskid::host::StopSignals& stops, Terminal& terminal,
-                record::Ledger& ledger, const std::optional<WearRegulation>& regulation, record::HealthWatch* watch, panel::LiveFeed* feed)
+                record::Ledger& ledger, const std::optional<WearRegulation>& regulation, record::HealthWatch* watch, BridgePanel* panel)
         : setup_(setup),
           command_(command),
           name_(std::move(name)),
@@ -70,9 +70,9 @@ class CampaignRun {
           ledger_(ledger),
           regulation_(regulation),
           watch_(watch),
-          with_panel_(feed != nullptr),
+          panel_(panel),
           judge_(command.rules),
-          session_(setup, stops, terminal, feed) {}
+          session_(setup, stops, terminal, panel) {}
 
     int run() {
         for (;;) {
@@ -121,10 +121,11 @@ class CampaignRun {
                 slip_reference_ = shares.reference();
                 shared_ = line(shares);
             }
-            if (with_panel_ && !command_.wear_model.empty())
+            if (panel_ != nullptr && !command_.wear_model.empty())
                 landings_left_ = landings_left(command_.wear_model, record::read_ledger(ledger_file(command_.rig.out), name_),
                                                command_.rules.min_friction.value_or(0.0));
             attempt = ledger_.begin(*number, now_text(), slip_reference_);
+            if (panel_ != nullptr) panel_->begun();
         });
         return attempt;
     }
@@ -196,7 +197,7 @@ class CampaignRun {
     std::optional<double> slip_reference_;  // of the maneuver that runs, where the law is slip
     std::string shared_;                    // how wear is shared, for people
     record::HealthWatch* watch_;            // none: nobody judges the brake
-    bool with_panel_;
+    BridgePanel* panel_;
     std::string landings_left_;  // for the panel
     CampaignJudge judge_;
     Pace pace_;
@@ -284,12 +285,15 @@ int run_campaign(const CampaignCommand& command) {
         return 0;
     }
     check_start(setup, command.rig.out);
+    if (!command.held_by.empty() && !read_hold(command.rig.out))
+        write_hold(command.rig.out, {.who = command.held_by, .since = now_text(), .why = "waits to be started"});
     int status = 1;
     try {
         std::optional<BridgePanel> panel;
         if (!setup.options.panel.empty()) panel.emplace(setup, command.rig.out, stops, terminal);
+        if (panel && !record::read_ledger(file, name).empty()) panel->begun();
         enter_realtime(setup.options.priority, terminal);
-        CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr, panel ? &panel->feed() : nullptr);
+        CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr, panel ? &*panel : nullptr);
         status = run.run();
     } catch (const EndAtOnce&) {
         terminal.say("rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");

@@ -1,5 +1,7 @@
 #include "rig_bridge/bridge/hold.hpp"
 
+#include <array>
+#include <cstddef>
 #include <fstream>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -28,6 +30,16 @@ void write_hold(const std::filesystem::path& campaign, const Hold& hold) {
 
 bool remove_hold(const std::filesystem::path& campaign) {
     return std::filesystem::remove(hold_file(campaign));
+}
+
+std::string_view name(Standing standing) {
+    constexpr std::array<std::string_view, 3> kNames{"runs", "waits", "held"};
+    return kNames[static_cast<std::size_t>(standing)];
+}
+
+Standing standing(const std::filesystem::path& campaign, bool begun) {
+    if (!read_hold(campaign)) return Standing::runs;
+    return begun ? Standing::held : Standing::waits;
 }
 
 std::string to_text(const Hold& hold) {

@@ -2,9 +2,11 @@
 /// and tells who, since when and why.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace rig::bridge {
 
@@ -24,6 +26,12 @@ struct Hold {
 void write_hold(const std::filesystem::path& campaign, const Hold& hold);
 /// False: it was not held. Throws std::filesystem::filesystem_error.
 bool remove_hold(const std::filesystem::path& campaign);
+
+/// What a person may ask of a campaign now. `waits`: held, and none of its maneuvers was begun yet.
+enum class Standing : std::uint8_t { runs, waits, held };
+[[nodiscard]] std::string_view name(Standing standing);
+/// `begun`: a maneuver of the campaign was. A maneuver that runs while the campaign is held comes to its end first.
+[[nodiscard]] Standing standing(const std::filesystem::path& campaign, bool begun);
 
 /// "held by A. Rossi since 2026-11-25T10:00:00Z: tyre change".
 [[nodiscard]] std::string to_text(const Hold& hold);

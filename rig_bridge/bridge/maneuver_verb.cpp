@@ -57,7 +57,7 @@ int run_maneuver(const ManeuverCommand& command) {
     std::optional<BridgePanel> panel;
     if (!setup.options.panel.empty()) panel.emplace(setup, std::filesystem::path(), stops, terminal);
     enter_realtime(setup.options.priority, terminal);
-    Session session(setup, stops, terminal, panel ? &panel->feed() : nullptr);
+    Session session(setup, stops, terminal, panel ? &*panel : nullptr);
     try {
         const Ran ran = session.run(request);
         session.meanwhile([&] {

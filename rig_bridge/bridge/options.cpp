@@ -17,6 +17,7 @@ constexpr auto kFooter = R"(Examples:
   rig-bridge maneuver config/scenarios/heavy.toml --can vcan0 --plc 127.0.0.1:1502 --out out/heavy
   rig-bridge campaign config/scenarios/endurance.toml --can can0 --plc-rtu /dev/ttyUSB0 --maneuvers 500 --out runs/brake7
   rig-bridge campaign config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502 --maneuvers 160 --regulate --out runs/pair3
+  rig-bridge campaign config/scenarios/light.toml --can can0 --plc 192.168.1.10:502 --maneuvers 20 --out runs/brake8 --held --panel
   rig-bridge status runs/brake7
   rig-bridge watch runs/brake7 --can can0
   rig-bridge pause runs/brake7 --why "tyre change"; rig-bridge resume runs/brake7
@@ -131,6 +132,9 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     many->add_flag("--stop-on-abnormal", campaign.rules.stop_on_abnormal, "end the campaign, with status 1, when the brake is abnormal")
         ->needs(model);
     many->add_option("--name", campaign.name, "of the campaign in its ledger (default: the scenario's)");
+    many->add_flag_callback(
+        "--held", [&campaign] { campaign.held_by = user(); },
+        "check everything, then wait until `resume` or the panel starts it; also each time that it is resumed");
     many->add_flag("--go-on-changed", campaign.changed, "resume although scenario, seed or configuration differ from before");
     CLI::App* const before =
         app.add_subcommand("preflight", "PLC, interlocks, bus, controller, ledger, disk and clock before the wheel turns; reads only");

@@ -55,6 +55,7 @@ struct CampaignCommand {
     std::filesystem::path regulation;  ///< plan and rules; empty: regulation.toml of the configuration
     std::string surfaces;              ///< that regulation has to reckon with; empty: those of its file
     std::filesystem::path wear_model;  ///< that judges the brake; empty: nobody does
+    std::string held_by;               ///< begins held, by this person; empty: goes on at once
 };
 struct StatusCommand {
     std::filesystem::path directory;

@@ -1,8 +1,10 @@
 /// From one step of the main loop to what the panel shows of it. Pure.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/panel/live_feed.hpp"
@@ -13,7 +15,8 @@ namespace rig::bridge {
 [[nodiscard]] panel::LiveSample live_sample(const Moment& moment);
 
 /// States, interlocks, and what is wrong in plain words with what to do next, as one JSON object:
-/// {"facts":{label:text,...},"interlocks":{name:good,...},"alarms":[{"name","happened","next"},...]}.
-[[nodiscard]] std::string panel_state(const ViewModel& view, const Moment& moment);
+/// {"facts":{label:text,...},"interlocks":{name:good,...},"alarms":[{"name","happened","next"},...],
+/// "campaign":name(Standing)}. `campaign`: none for a single maneuver, "campaign" is null then.
+[[nodiscard]] std::string panel_state(const ViewModel& view, const Moment& moment, std::optional<Standing> campaign);
 
 }  // namespace rig::bridge

@@ -48,11 +48,11 @@ std::string how_it_was(Phase phase, const Moment& moment) {
 
 }  // namespace
 
-Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, panel::LiveFeed* feed)
+Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, BridgePanel* panel)
     : setup_(setup),
       stops_(stops),
       terminal_(terminal),
-      feed_(feed),
+      panel_(panel),
       lockstep_(setup.options.lockstep ? std::make_optional<Lockstep>(setup.layout, Time(std::llround(setup.meter.period_s * 1e9)), Node::kStep,
                                                                       std::chrono::milliseconds(setup.options.answer_timeout_ms))
                                        : std::nullopt),
@@ -83,7 +83,7 @@ const Moment& Session::step(rig::Sequencer* sequencer, const ManeuverRequest* re
     const Moment& moment = node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                                       lockstep_ ? lockstep_->now() : clock_.now());
     if (lockstep_) plc_->turn(lockstep_->taken());
-    if (feed_ != nullptr) tell_panel(moment, request == nullptr && sequencer == nullptr);
+    if (panel_ != nullptr) tell_panel(moment, request == nullptr && sequencer == nullptr);
     if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
         terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));
         second_sender_ = true;
@@ -92,15 +92,15 @@ const Moment& Session::step(rig::Sequencer* sequencer, const ManeuverRequest* re
 }
 
 void Session::tell_panel(const Moment& moment, bool resting) {
-    feed_->sample(live_sample(moment));
+    panel_->feed().sample(live_sample(moment));
     const double now_s = std::chrono::duration<double>(moment.now).count();
-    if (!resting || !feed_->state_due(now_s)) return;
+    if (!resting || !panel_->feed().state_due(now_s)) return;
     ViewModel view = view_of(moment, node_.limits());
     view.scenario = setup_.scenario.title;
     view.phase = phase_;
     view.abort = aborted_by_;
     if (!rest_note_.empty()) view.note = rest_note_;
-    feed_->state([view, moment] { return panel_state(view, moment); }, now_s);
+    panel_->state(view, moment, now_s);
 }
 
 void Session::meanwhile(const std::function<void()>& work) {
@@ -133,13 +133,13 @@ void Session::show(const ManeuverRequest& request, const Moment& moment, const s
 
 bool Session::view_due(const Moment& moment, Phase phase, rig::Abort abort) const {
     const double now_s = std::chrono::duration<double>(moment.now).count();
-    return terminal_.due(now_s, phase, abort) || (feed_ != nullptr && feed_->state_due(now_s));
+    return terminal_.due(now_s, phase, abort) || (panel_ != nullptr && panel_->feed().state_due(now_s));
 }
 
 void Session::present(const ViewModel& view, const Moment& moment) {
     const double now_s = std::chrono::duration<double>(moment.now).count();
     if (terminal_.due(now_s, view.phase, view.abort)) terminal_.show(view, now_s);
-    if (feed_ != nullptr && feed_->state_due(now_s)) feed_->state([view, moment] { return panel_state(view, moment); }, now_s);
+    if (panel_ != nullptr && panel_->feed().state_due(now_s)) panel_->state(view, moment, now_s);
 }
 
 void Session::await_ready(const ManeuverRequest& request, const ManeuverRun& run) {

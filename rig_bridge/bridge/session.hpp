@@ -15,6 +15,7 @@
 #include "firmware/host/periodic_timer.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "firmware/host/supervised_can.hpp"
+#include "rig_bridge/bridge/bridge_panel.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
@@ -23,7 +24,6 @@
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/trace.hpp"
-#include "rig_bridge/panel/live_feed.hpp"
 #include "rig_bridge/record/sample_log.hpp"
 #include "rig_bridge/record/summary.hpp"
 
@@ -45,8 +45,8 @@ struct EndAtOnce {};
 class Session {
   public:
     /// Throws std::runtime_error naming the interface, or std::invalid_argument for a PLC address that is none.
-    /// `feed`: of the panel; none: there is none.
-    Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, panel::LiveFeed* feed);
+    /// `panel`: none: there is none.
+    Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, BridgePanel* panel);
     ~Session();
 
     /// Waits until the brake is cold enough (or nothing is heard of the PLC), then runs the maneuver to its end, safe end included, and
@@ -81,7 +81,7 @@ class Session {
     const BridgeSetup& setup_;
     antiskid::host::StopSignals& stops_;
     Terminal& terminal_;
-    panel::LiveFeed* feed_;
+    BridgePanel* panel_;
     std::string rest_note_;
     antiskid::host::MonotonicClock clock_;
     std::optional<Lockstep> lockstep_;

@@ -71,16 +71,26 @@ function live() {
       box.append(make('strong', alarm.name), make('span', alarm.happened), make('span', alarm.next ? 'Next: ' + alarm.next : ''));
       return box;
     }));
+    offer(state.campaign);
     if (state.alarms.some(a => !known.has(a.name))) beep();
     known = new Set(state.alarms.map(a => a.name));
     document.title = (state.alarms.length ? '\u26a0 ' : '') + about.title;
   });
 
+  const buttons = {};
+  // Until the first state all are there: in lockstep none comes while the campaign is held.
+  const offer = campaign => {
+    if (buttons.hold) show(buttons.hold, campaign === 'runs');
+    if (!buttons.resume) return;
+    show(buttons.resume, campaign !== 'runs');
+    buttons.resume.textContent = campaign === 'waits' ? 'Start' : words.resume;
+  };
   const words = { hold: 'Pause after this maneuver', resume: 'Go on', abort: 'Abort this maneuver' };
   for (const name of about.changes.filter(c => words[c])) {
     show(byId('changes'), true);
     const button = make('button', words[name], { type: 'button', id: name, class: name === 'abort' ? 'danger' : '' });
     button.onclick = () => ask(name, { why: byId('why').value }, true).then(a => say(a.said), e => say(e.message, true));
+    buttons[name] = button;
     byId('buttons').append(button, ' ');
   }
 }

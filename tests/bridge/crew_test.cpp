@@ -70,6 +70,18 @@ TEST_CASE("A hold says who, since when and why, and whoever made it", "[BRG-471]
     CHECK_FALSE(rig::bridge::read_hold(place).has_value());
 }
 
+TEST_CASE("A campaign that is held waits for its start until a maneuver was begun, also where nobody can read who holds it", "[BRG-471]") {
+    using rig::bridge::Standing;
+    const TempDir dir;
+    const auto place = dir.write("x", "").parent_path();
+    CHECK(rig::bridge::standing(place, false) == Standing::runs);
+    static_cast<void>(dir.write("campaign.hold", "spoilt"));
+    CHECK(rig::bridge::standing(place, false) == Standing::waits);
+    CHECK(rig::bridge::standing(place, true) == Standing::held);
+    CHECK(rig::bridge::remove_hold(place));
+    CHECK(rig::bridge::standing(place, true) == Standing::runs);
+}
+
 TEST_CASE("The program for aborts is told what happened, line by line and without a shell", "[BRG-471]") {
     const TempDir dir;
     const auto out = dir.write("told", "");

@@ -76,7 +76,9 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
                                                               "--operator",  "Rossi",
                                                               "--notes",     "a, b",
                                                               "--quiet",     "--on-abort",
-                                                              "/bin/true"});
+                                                              "/bin/true",   "--held"});
+    CHECK_FALSE(named.held_by.empty());
+    CHECK(many.held_by.empty());
     CHECK(named.rig.specimen == rig::record::Specimen{"B1", "D7", "T2", "S", "Rossi", "a, b"});
     CHECK(named.rig.quiet);
     CHECK(named.rig.on_abort == "/bin/true");

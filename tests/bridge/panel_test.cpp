@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,7 @@ Moment moment() {
 }
 
 settings::Json state_of(const Moment& m) {
-    return settings::parse_json(panel_state(view_of(m, {}), m));
+    return settings::parse_json(panel_state(view_of(m, {}), m, std::nullopt));
 }
 
 }  // namespace
@@ -77,7 +78,7 @@ TEST_CASE("interlocks, and what is wrong with what to do", "[BRG-522]") {
     ViewModel view = view_of(m, {});
     view.record_lost = true;
     view.note = "disk full";
-    CHECK(settings::parse_json(panel_state(view, m))["alarms"][0]["happened"] == "disk full");
+    CHECK(settings::parse_json(panel_state(view, m, std::nullopt))["alarms"][0]["happened"] == "disk full");
     m.inputs.plc_fresh = false;
     CHECK(state_of(m)["interlocks"].empty());
 }
@@ -86,11 +87,20 @@ TEST_CASE("campaign and landings left are among the facts", "[BRG-522]") {
     const Moment m = moment();
     ViewModel view = view_of(m, {});
     view.campaign = CampaignView{.number = 3, .finished = 2, .planned = 500, .left_s = 3700.0, .health = "healthy", .landings_left = "132"};
-    const auto facts = settings::parse_json(panel_state(view, m))["facts"];
+    const auto facts = settings::parse_json(panel_state(view, m, std::nullopt))["facts"];
     CHECK(facts["campaign"] == "maneuver 3, 2 of 500 finished");
     CHECK(facts["brake's health"] == "healthy");
     CHECK(facts["landings left"] == "132");
     CHECK_FALSE(facts.contains("regulation"));
+}
+
+TEST_CASE("the page is told what may be asked of the campaign", "[BRG-522]") {
+    const Moment m = moment();
+    const ViewModel view = view_of(m, {});
+    CHECK(state_of(m)["campaign"].is_null());
+    CHECK(settings::parse_json(panel_state(view, m, Standing::runs))["campaign"] == "runs");
+    CHECK(settings::parse_json(panel_state(view, m, Standing::waits))["campaign"] == "waits");
+    CHECK(settings::parse_json(panel_state(view, m, Standing::held))["campaign"] == "held");
 }
 
 TEST_CASE("landings left come with their interval, and with what the model was learnt from", "[BRG-522]") {

@@ -161,10 +161,10 @@ def watch(folder):
 
 
 def panel(folder):
-    """[BRG-520] [BRG-522] The page's own way in: twenty look on, one of them reads nothing; held, let go on and aborted with the token that the
+    """[BRG-520] [BRG-522] The page's own way in: twenty look on, one of them reads nothing; a campaign that waits is started, held, let go on and aborted with the token that the
     bridge printed, without which all of it is refused; the campaign goes on by the same command."""
     rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
-    run = rig.bridge("campaign", out, "--maneuvers", "3", "--panel", "127.0.0.1:0")
+    run = rig.bridge("campaign", out, "--maneuvers", "3", "--held", "--panel", "127.0.0.1:0")
     port, token = re.search(r"127.0.0.1:(\d+)/#token=(\w+)", rig.await_words(run, "#token=")).groups()
     viewers = [socket.create_connection(("127.0.0.1", int(port)), timeout=60) for _ in range(20)]
     for viewer in viewers:
@@ -184,13 +184,22 @@ def panel(folder):
             text += viewer.recv(65536)
         check(wanted in text, f"a viewer never had {wanted}: {text[-500:]}")
 
+    rig.await_words(run, "waits to be started")
+    heard(viewers[0], b'"campaign":"waits"')
+    check(ask("resume")[0] == 401, "started without the token")
+    for _ in range(10):
+        check(drive_enable(rig) == 0 and not ledger_copy(out), "it begins though it is held")
+        time.sleep(0.1)
+    check(ask("resume", token)[0] == 200, "not started")
     check(bus.await_phase(("braking",), 120), f"no braking: {words(run)}")
+    heard(viewers[0], b'"campaign":"runs"')
     for viewer in viewers[:19]:
         heard(viewer, b'"phase":"braking, ')
     check([ask(name)[0] for name in ("hold", "resume", "abort")] == [401] * 3, "changed without the token")
     status, answer = ask("hold", token)
     check(status == 200 and "tyre change" in answer["said"], answer)
     rig.await_words(run, "held by panel since ")
+    heard(viewers[0], b'"campaign":"held"')
     heard(viewers[0], b'"note":"held by panel')
     check([row["state"] for row in ledger_copy(out)] == ["finished"], "it goes on though it is held")
     check(ask("resume", token)[0] == 200, "not let go on")
