@@ -11,9 +11,9 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/lab/panel_recordings.hpp"
 #include "plant_sim/lab/panel_stops.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "rig_bridge/bridge/panel_recordings.hpp"
 #include "rig_bridge/panel/server.hpp"
 
 namespace plant_sim::lab {
@@ -36,16 +36,12 @@ struct PanelCommand {
             .about = {.title = "rig-lab" + (folder.empty() ? "" : ": " + std::filesystem::weakly_canonical(folder).filename().string()),
                       .views = {},
                       .what_if = tried.fields()}};
-        std::optional<PanelRecordings> recorded;
+        std::optional<rig::bridge::PanelRecordings> recorded;
         if (!folder.empty()) {
             recorded.emplace(folder, config,
                              antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
                                                         binding.empty() ? config / "antiskid_binding.toml" : binding));
-            options.about.views.emplace_back("recorded");
-            options.reads["runs"] = [&recorded](const panel::Query&) { return recorded->runs(); };
-            options.reads["run"] = [&recorded](const panel::Query& q) {
-                return recorded->run(q.text("campaign"), q.integer("number"), q.integer("attempt"));
-            };
+            rig::bridge::add_recorded(options, *recorded);
             if (recorded->with_ledger())
                 options.changes["note"] = [&recorded](const panel::Query& q) {
                     return recorded->note(q.text("campaign"), q.integer("number"), q.integer("attempt"), q.text("who"), q.text("text"));

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -29,7 +30,8 @@ std::string pause(const std::filesystem::path& campaign, const std::string& why)
     return said(to_text(*read_hold(campaign)) + "; a maneuver that runs comes to its end first");
 }
 
-panel::ServerOptions options_of(const BridgeSetup& setup, const std::filesystem::path& campaign, antiskid::host::StopSignals& stops) {
+panel::ServerOptions options_of(const BridgeSetup& setup, const std::filesystem::path& campaign, const PanelRecordings* recordings,
+                                antiskid::host::StopSignals& stops) {
     // Nobody builds a rig of steel on a virtual interface, and only a virtual rig waits for the bus's SYNC.
     const bool simulated = setup.options.lockstep || setup.options.interface.starts_with("vcan");
     panel::ServerOptions options{.address = panel::parse_address(setup.options.panel),
@@ -41,7 +43,8 @@ panel::ServerOptions options_of(const BridgeSetup& setup, const std::filesystem:
         if (!stops.ask_first(SIGINT)) throw std::runtime_error("the bridge ends already");
         return said("the maneuver is brought to its safe end, then the bridge ends; the same command goes on with a campaign");
     };
-    if (campaign.empty()) return options;
+    if (recordings == nullptr) return options;
+    add_recorded(options, *recordings);
     options.changes["hold"] = [campaign](const panel::Query& query) { return pause(campaign, query.text("why")); };
     options.changes["resume"] = [campaign](const panel::Query&) { return said(remove_hold(campaign) ? "the campaign goes on" : "it was not held"); };
     return options;
@@ -50,7 +53,9 @@ panel::ServerOptions options_of(const BridgeSetup& setup, const std::filesystem:
 }  // namespace
 
 BridgePanel::BridgePanel(const BridgeSetup& setup, const std::filesystem::path& campaign, antiskid::host::StopSignals& stops, Terminal& terminal)
-    : campaign_(campaign), server_(options_of(setup, campaign, stops), &feed_) {
+    : campaign_(campaign),
+      recordings_(campaign.empty() ? nullptr : std::make_unique<const PanelRecordings>(campaign, setup.options.config, setup.layout, setup.scenario)),
+      server_(options_of(setup, campaign, recordings_.get(), stops), &feed_) {
     terminal.say("rig-bridge: " + server_.greeting());
 }
 

@@ -3,11 +3,13 @@
 
 #include <atomic>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/node.hpp"
+#include "rig_bridge/bridge/panel_recordings.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/panel/live_feed.hpp"
@@ -17,8 +19,8 @@ namespace rig::bridge {
 
 class BridgePanel {
   public:
-    /// `campaign`: the folder that a pause is written to; empty: a single maneuver. An abort is what the first Ctrl-C is. All must outlive the
-    /// panel. Throws std::runtime_error where its address is not to be had.
+    /// `campaign`: the folder with its ledger, that a pause is written to and recorded maneuvers are read from; empty: a single maneuver. An
+    /// abort is what the first Ctrl-C is. All must outlive the panel. Throws std::runtime_error where its address is not to be had.
     BridgePanel(const BridgeSetup& setup, const std::filesystem::path& campaign, antiskid::host::StopSignals& stops, Terminal& terminal);
 
     [[nodiscard]] panel::LiveFeed& feed() { return feed_; }
@@ -29,6 +31,7 @@ class BridgePanel {
 
   private:
     std::filesystem::path campaign_;
+    std::unique_ptr<const PanelRecordings> recordings_;  // none: a single maneuver
     std::atomic<bool> begun_{false};
     panel::LiveFeed feed_;
     panel::Server server_;

@@ -109,6 +109,7 @@ async function recorded() {
     runs.forEach(run => { run.name = `${of(run)}${run.number}${run.attempt > 1 ? '.' + run.attempt : ''}`; });
     overlay.draw(runs);
     const rows = runs.length ? Object.keys(runs[0].configuration).map(key => [key, runs.map(r => r.configuration[key])])
+      .concat(Object.keys(runs[0].asked).map(key => [key, runs.map(r => r.asked[key])]))
       .concat(Object.keys(runs[0].figures).map(key => [key, runs.map(r => r.figures[key])])) : [];
     compare(byId('differences'), runs, rows);
     const last = runs[runs.length - 1];
@@ -155,6 +156,8 @@ async function recorded() {
     }
   };
   await refresh();
+  // A campaign that runs has more by then.
+  byId('tab_recorded').addEventListener('click', () => refresh().catch(error => say(error.message, true)));
 }
 
 // ---- what if

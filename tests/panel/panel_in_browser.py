@@ -129,6 +129,15 @@ def live(driver, nothing):
         driver.get(url + "#token=" + token)
         wait(driver, lambda d: d.find_elements(By.ID, "abort"))
         check("the token leaves the address", token not in driver.current_url, driver.current_url)
+
+        def offered(*words):
+            wait(driver, lambda d: [b.text for b in d.find_elements(By.CSS_SELECTOR, "#buttons button") if b.is_displayed()] == list(words))
+            check(f"offered: {', '.join(words)}", True)
+        offered("Abort this maneuver", "Start")
+        driver.find_element(By.ID, "resume").click()
+        offered("Abort this maneuver", "Pause after this maneuver")
+        driver.find_element(By.ID, "hold").click()
+        offered("Abort this maneuver", "Go on")
         driver.find_element(By.ID, "abort").click()
         wait(driver, lambda d: "aborts: 1" in text(d, "said"))
         check("the token: taken", True)
@@ -167,6 +176,9 @@ def recorded(driver, lab, folder):
         wait(driver, lambda d: "2 slip" in text(d, "recorded_charts"))
         check("two maneuvers lie over each other", "1 slip" in text(driver, "recorded_charts"))
         rows = wait(driver, lambda d: [r.text for r in d.find_elements(By.CSS_SELECTOR, "#differences tr.differs")])
+        told = [r.text for r in driver.find_elements(By.CSS_SELECTOR, "#differences tr")]
+        check("what the controller was told is named", "law on the bus wheel_slip wheel_slip" in told, told)
+        check("the slip reference, too", "slip reference on the bus 0.24 0.24" in told)
         length = [row for row in rows if row.startswith("length, m")]
         check("differences are named", re.search(r"\([+\u2212][\d.]+\)", length[0]), length)
         canvases = len(driver.find_elements(By.CSS_SELECTOR, "#recorded_charts .plot canvas"))

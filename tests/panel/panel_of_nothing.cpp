@@ -1,4 +1,4 @@
-/// A panel with made signals, an alarm that comes and goes, and an abort that is only counted: for the browser's test. Until SIGTERM.
+/// A panel with made signals, an alarm that comes and goes, a campaign that waits for its start, and an abort that is only counted: for the browser's test. Until SIGTERM.
 
 #include <fmt/core.h>
 
@@ -20,11 +20,20 @@ int run() {
     using rig::panel::Signal;
     antiskid::host::StopSignals stops;
     std::atomic<int> aborts{0};
+    std::atomic<const char*> campaign{"waits"};
     rig::panel::LiveFeed feed;
     rig::panel::ServerOptions options{
         .address = rig::panel::parse_address("127.0.0.1:0"),
         .about = {.title = "made signals", .simulated = true, .views = {"live"}, .emergency_stop = "It is the red button at the rig."}};
     options.changes["abort"] = [&aborts](const rig::panel::Query&) { return settings::Json{{"said", fmt::format("aborts: {}", ++aborts)}}.dump(); };
+    const auto becomes = [&campaign](const char* standing) {
+        return [&campaign, standing](const rig::panel::Query&) {
+            campaign = standing;
+            return settings::Json{{"said", standing}}.dump();
+        };
+    };
+    options.changes["hold"] = becomes("held");
+    options.changes["resume"] = becomes("runs");
     const rig::panel::Server server(options, &feed);
     fmt::print("{}\n", server.greeting());
     (void)std::fflush(stdout);
@@ -45,7 +54,8 @@ int run() {
         if (feed.state_due(t)) {
             settings::Json state{{"facts", {{"phase", "braking"}, {"controller", "controlling <b>"}}},
                                  {"interlocks", {{"guard closed", aborts == 0}, {"drive healthy", true}}},
-                                 {"alarms", settings::Json::array()}};
+                                 {"alarms", settings::Json::array()},
+                                 {"campaign", campaign.load()}};
             if (aborts > 0)
                 state["alarms"].push_back(
                     {{"name", "abort: operator"}, {"happened", "you asked for it"}, {"next", "start again when you are ready"}});

@@ -178,6 +178,10 @@ def panel(folder):
         except urllib.error.HTTPError as refused:
             return refused.code, json.load(refused)
 
+    def read(name):
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/api/{name}", timeout=60) as answer:
+            return json.load(answer)
+
     def heard(viewer, wanted):
         text, end = b"", time.monotonic() + 60
         while wanted not in text and time.monotonic() < end:
@@ -202,8 +206,12 @@ def panel(folder):
     heard(viewers[0], b'"campaign":"held"')
     heard(viewers[0], b'"note":"held by panel')
     check([row["state"] for row in ledger_copy(out)] == ["finished"], "it goes on though it is held")
+    check([one["state"] for one in read("runs")["runs"]] == ["finished"], "the finished maneuver is not among the recorded ones")
+    recorded = read("run?campaign=quick&number=1&attempt=1")
+    check(len(recorded["columns"]["t"]) > 100 and recorded["asked"]["law on the bus"] == "wheel_slip", recorded["asked"])
     check(ask("resume", token)[0] == 200, "not let go on")
     check(bus.await_phase(("braking",), 120), f"no second braking: {words(run)}")
+    check([one["state"] for one in read("runs")["runs"]] == ["finished", "running"], "the ledger is not read while a maneuver runs")
     check(ask("abort", token)[0] == 200, "not aborted")
     status, answer = ask("abort", token)
     check(status == 400 and "ends already" in answer["error"], answer)

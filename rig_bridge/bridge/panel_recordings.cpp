@@ -1,4 +1,4 @@
-#include "plant_sim/lab/panel_recordings.hpp"
+#include "rig_bridge/bridge/panel_recordings.hpp"
 
 #include <fmt/format.h>
 
@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "firmware/can/value_names.hpp"
 #include "firmware/control/types.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/json.hpp"
-#include "plant_sim/study/identification/recording.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/panel/curves.hpp"
@@ -24,17 +24,15 @@
 #include "rig_bridge/replay/log_reader.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
 #include "rig_bridge/replay/measured_signals.hpp"
-#include "rig_bridge/rig/scenario.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace plant_sim::lab {
+namespace rig::bridge {
 
 namespace {
 
-namespace record = rig::record;
-namespace phase = identification::phase;
-using rig::panel::Curves;
-using rig::panel::LiveSample;
-using rig::panel::Signal;
+using panel::Curves;
+using panel::LiveSample;
+using panel::Signal;
 using settings::Json;
 
 Json known(double value) {
@@ -70,7 +68,7 @@ Json to_json(const record::LedgerRow& row, const std::string& campaign) {
 }
 
 /// The sample of this moment on the bus; speeds are those of `rim` and `wheel`.
-LiveSample sample_of(const antiskid::can::BusView& view, const rig::Scenario& scenario, double rim_radps, double wheel_radps) {
+LiveSample sample_of(const antiskid::can::BusView& view, const Scenario& scenario, double rim_radps, double wheel_radps) {
     LiveSample sample;
     const bool loaded = view.load_cells_received != antiskid::control::kNever;
     const double load_N = loaded ? static_cast<double>(view.load_cells.vertical_N) : 0.0;
@@ -85,42 +83,70 @@ LiveSample sample_of(const antiskid::can::BusView& view, const rig::Scenario& sc
     return sample;
 }
 
-Curves read_curves(const std::filesystem::path& log, const antiskid::can::Layout& layout, const rig::Scenario& scenario) {
-    rig::replay::LogWarnings warnings(log.string(), {});
-    rig::replay::LogOptions options;
+/// What the controller was told where the demand was greatest; a demand of nothing is none.
+struct Asked {
+    void take(const antiskid::control::ManeuverInput& command) {
+        if (command.demand_Pa > demand_Pa) *this = {command.law, command.demand_Pa, command.slip_reference};
+    }
+    [[nodiscard]] Json json() const {
+        const bool known = demand_Pa > 0.0F;
+        const auto code = static_cast<std::size_t>(law);
+        const bool named = known && code < antiskid::can::kLawNames.size();
+        return {{"law on the bus", named ? antiskid::can::kLawNames[code] : std::string_view("unknown")},
+                {"greatest demand on the bus, MPa", known ? Json(1e-6 * static_cast<double>(demand_Pa)) : Json("unknown")},
+                {"slip reference on the bus", known ? Json(static_cast<double>(slip_reference)) : Json("unknown")}};
+    }
+
+    antiskid::control::Law law{};
+    float demand_Pa = 0.0F;
+    float slip_reference = 0.0F;
+};
+
+struct Drawn {
+    Curves curves;
+    Asked asked;
+};
+
+Drawn read_log(const std::filesystem::path& log, const antiskid::can::Layout& layout, const Scenario& scenario) {
+    replay::LogWarnings warnings(log.string(), {});
+    replay::LogOptions options;
     options.layout = &layout;
-    rig::replay::LogReader reader(log, options, warnings);
+    replay::LogReader reader(log, options, warnings);
     const double period_s = static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
-    rig::replay::MeasuredSignals signals(reader, layout, period_s);
-    rig::bridge::LiveSpeed rim(scenario.rig.rig.flywheel_encoder.teeth);
-    rig::bridge::LiveSpeed wheel(scenario.rig.rig.wheel_encoder.teeth);
+    replay::MeasuredSignals signals(reader, layout, period_s);
+    LiveSpeed rim(scenario.rig.rig.flywheel_encoder.teeth);
+    LiveSpeed wheel(scenario.rig.rig.wheel_encoder.teeth);
     std::vector<LiveSample> samples;
+    Drawn drawn;
     double brake_on_s = std::numeric_limits<double>::quiet_NaN();
     while (signals.next()) {
         const antiskid::can::BusView& view = signals.view();
         const antiskid::control::Time now(std::llround(signals.time_s() * 1e9));
         rim.update(view.flywheel, now);
         wheel.update(view.wheel, now);
-        const std::uint8_t at = view.maneuver_state.phase;
-        if (at < phase::kTouchdown || at > phase::kRetract) continue;
-        if (at == phase::kBraking && std::isnan(brake_on_s)) brake_on_s = signals.time_s();
+        const auto at = static_cast<Phase>(view.maneuver_state.phase);
+        if (at < Phase::touchdown || at > Phase::retract) continue;
+        if (at == Phase::braking) {
+            if (std::isnan(brake_on_s)) brake_on_s = signals.time_s();
+            drawn.asked.take(view.maneuver);
+        }
         samples.push_back(sample_of(view, scenario, rim.radps(), wheel.radps()));
         samples.back().time_s = signals.time_s();
     }
     if (samples.empty()) throw std::runtime_error(log.string() + ": no sample with the wheel on the rim is in it");
     if (std::isnan(brake_on_s)) brake_on_s = samples.front().time_s;
-    Curves curves;
     for (LiveSample& sample : samples) {
         sample.time_s -= brake_on_s;
-        curves.add(sample);
+        drawn.curves.add(sample);
     }
-    return curves;
+    return drawn;
 }
 
 }  // namespace
 
-PanelRecordings::PanelRecordings(const std::filesystem::path& folder, std::filesystem::path config, const antiskid::can::Layout& layout)
-    : folder_(std::filesystem::weakly_canonical(folder)), config_(std::move(config)), layout_(layout) {
+PanelRecordings::PanelRecordings(const std::filesystem::path& folder, std::filesystem::path config, const antiskid::can::Layout& layout,
+                                 std::optional<Scenario> known)
+    : folder_(std::filesystem::weakly_canonical(folder)), config_(std::move(config)), layout_(layout), known_(std::move(known)) {
     if (all().empty() && !with_ledger())
         throw settings::Error(folder_.string(), 0, "", "no campaign.sqlite here, and no folder with the summary.json of a maneuver");
 }
@@ -169,10 +195,14 @@ std::string PanelRecordings::runs() const {
 std::string PanelRecordings::run(const std::string& campaign, std::int64_t number, std::int64_t attempt) const {
     for (const auto& [of, row] : all()) {
         if (of != campaign || row.attempt.number != number || row.attempt.attempt != attempt) continue;
-        const std::filesystem::path log = rig::replay::log_in(row.attempt.folder);
+        const std::filesystem::path log = replay::log_in(row.attempt.folder);
         if (log.empty()) throw std::runtime_error(row.attempt.folder.string() + ": has no bus.log: this maneuver was not recorded on a bus");
-        const rig::Scenario scenario = rig::load_scenario(config_ / "scenarios" / (row.summary.scenario + ".toml"), config_);
-        return "{\"columns\":" + read_curves(log, layout_, scenario).json() + "}";
+        const std::lock_guard one(reading_);
+        const Drawn drawn = read_log(log, layout_,
+                                     known_ && known_->name == row.summary.scenario
+                                         ? *known_
+                                         : load_scenario(config_ / "scenarios" / (row.summary.scenario + ".toml"), config_));
+        return "{\"columns\":" + drawn.curves.json() + ",\"asked\":" + settings::json_line(drawn.asked.json()) + "}";
     }
     throw std::runtime_error(fmt::format("campaign {} has no attempt {} at maneuver {}", campaign, attempt, number));
 }
@@ -184,8 +214,16 @@ std::string PanelRecordings::note(const std::string& campaign, std::int64_t numb
     if (!with_ledger()) throw record::LedgerError(folder_.string() + ": has no campaign.sqlite to keep a note in");  // opened, it would be made
     record::Ledger writing(ledger());
     writing.choose(campaign);
-    writing.note(number, attempt, {.field = "notes", .text = text, .who = who, .made = rig::bridge::iso_8601(std::chrono::system_clock::now())});
+    writing.note(number, attempt, {.field = "notes", .text = text, .who = who, .made = iso_8601(std::chrono::system_clock::now())});
     return R"({"said":"The note is in the ledger."})";
 }
 
-}  // namespace plant_sim::lab
+void add_recorded(panel::ServerOptions& options, const PanelRecordings& recordings) {
+    options.about.views.emplace_back("recorded");
+    options.reads["runs"] = [&recordings](const panel::Query&) { return recordings.runs(); };
+    options.reads["run"] = [&recordings](const panel::Query& q) {
+        return recordings.run(q.text("campaign"), q.integer("number"), q.integer("attempt"));
+    };
+}
+
+}  // namespace rig::bridge
