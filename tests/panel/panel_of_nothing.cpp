@@ -1,4 +1,5 @@
-/// A panel with made signals, an alarm that comes and goes, a campaign that waits for its start, and an abort that is only counted: for the browser's test. Until SIGTERM.
+/// A panel with made signals, an alarm that comes and goes, a campaign that waits for its start, and an abort that is only counted: for the
+/// browser's test. Until SIGTERM.
 
 #include <fmt/core.h>
 
