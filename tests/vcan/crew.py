@@ -2,12 +2,10 @@
 """What a crew does with a campaign that runs: looks on from another terminal, holds it between maneuvers, is told of an abort, says whose parts
 they are. Three programs in paced lockstep, inside `./rig vcan`.
 
-usage: crew.py BUILD_DIR operator|watch|panel|browser
-PANEL_KEEP=FOLDER keeps a picture of the page.
+usage: crew.py BUILD_DIR operator|watch|panel
 """
 import csv
 import json
-import os
 import pathlib
 import re
 import socket
@@ -226,45 +224,7 @@ def panel(folder):
     rig.end()
 
 
-def browser(folder):
-    """[BRG-522] In Chromium, on the page of the real bridge: a click starts the campaign that waits, another brings its maneuver to the safe end."""
-    from selenium import webdriver
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.support.ui import WebDriverWait
-
-    rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
-    run = rig.bridge("campaign", out, "--maneuvers", "20", "--held", "--panel", "127.0.0.1:0")  # a slow click meets a later one
-    url = re.search(r"http://127.0.0.1:\d+/#token=\w+", rig.await_words(run, "#token=")).group(0)
-    options = webdriver.ChromeOptions()
-    # User-mode Linux has no address space for V8's compiled code, nor for a process for each page.
-    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--js-flags=--jitless", "--single-process", "--no-zygote",
-                 f"--user-data-dir={folder}/browser", "--window-size=1280,1500"):
-        options.add_argument(flag)
-    driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
-    try:
-        driver.get(url)
-        wait = WebDriverWait(driver, 60, poll_frequency=0.2)
-
-        def button(name):
-            return driver.find_element(By.ID, name)
-        wait.until(lambda d: d.find_elements(By.ID, "resume") and button("resume").text == "Start")
-        check(not button("hold").is_displayed() and not ledger_copy(out), "it offers a pause, or has begun")
-        button("resume").click()
-        check(bus.await_phase(("braking",), 120), f"not started: {words(run)}")
-        if "PANEL_KEEP" in os.environ:
-            driver.save_screenshot(os.environ["PANEL_KEEP"] + "/panel_live.png")
-        button("abort").click()
-        check(run.wait(timeout=120) == 130, words(run))
-    finally:
-        driver.quit()
-    check(bus.valve_raw == 0, "the valve is not at its safe current")
-    outcomes = [row["outcome"] for row in ledger_copy(out)]
-    check(outcomes[-1] == "requested" and set(outcomes[:-1]) <= {"finished"}, outcomes)
-    rig.end()
-
-
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory(**in_guest_memory()) as name:
-        {"operator": operator, "watch": watch, "panel": panel, "browser": browser}[sys.argv[2]](pathlib.Path(name))
+        {"operator": operator, "watch": watch, "panel": panel}[sys.argv[2]](pathlib.Path(name))
     print(f"{sys.argv[2]}: passed")
