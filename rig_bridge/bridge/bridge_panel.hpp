@@ -32,8 +32,8 @@ class BridgePanel {
   private:
     std::filesystem::path campaign_;
     std::unique_ptr<const PanelRecordings> recordings_;  // none: a single maneuver
-    std::atomic<bool> begun_{false};
     panel::LiveFeed feed_;
+    std::atomic<bool> begun_{false};  // before server_, which asks for it
     panel::Server server_;
 };
 
