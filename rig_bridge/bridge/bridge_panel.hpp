@@ -30,10 +30,10 @@ class BridgePanel {
     void state(const ViewModel& view, const Moment& moment, double now_s);
 
   private:
+    panel::LiveFeed feed_;
     std::filesystem::path campaign_;
     std::unique_ptr<const PanelRecordings> recordings_;  // none: a single maneuver
-    panel::LiveFeed feed_;
-    std::atomic<bool> begun_{false};  // before server_, which asks for it
+    std::atomic<bool> begun_{false};                     // before server_, which asks for it
     panel::Server server_;
 };
 
