@@ -11,20 +11,20 @@
 
 namespace antiskid::can {
 
-/// What the link itself reports; every count is since construction and rolls over.
+/// What the link itself reports; counts run from construction and roll over at 2^32.
 struct LinkStatus {
     bool up = true;                  ///< false: interface down, gone, or bus-off
     bool bus_off = false;            ///< the controller chip left the bus
     std::uint32_t error_frames = 0;  ///< error frames of any class
     std::uint32_t bus_off_events = 0;
-    std::uint32_t receive_dropped = 0;   ///< frames the kernel dropped since our queue was full
-    std::uint32_t transmit_dropped = 0;  ///< frames given up: queue full or link down; none is sent later
+    std::uint32_t receive_dropped = 0;   ///< dropped by the kernel because our receive queue was full
+    std::uint32_t transmit_dropped = 0;  ///< discarded because the queue was full or the link down; never sent later
     std::uint32_t malformed = 0;         ///< remote, extended, FD or over-long frames, ignored
 };
 
 class Bus {
   public:
-    /// Of one call. A wait of this length may end some ms late; shorter ones are exact and can cost a system call more.
+    /// Longest time that one call waits. A wait of this length may end some ms late; shorter waits are exact and can cost one more system call.
     static constexpr Time kLongestWait{20'000'000};
 
     virtual ~Bus() = default;
@@ -32,24 +32,24 @@ class Bus {
     /// Moves frames that have arrived into `frames`, oldest first; returns how many. Never waits.
     virtual std::size_t receive(std::span<Frame> frames) = 0;
 
-    /// The same, but where none has arrived it waits for one, at most `timeout` or kLongestWait.
+    /// Like receive(), but if no frame has arrived, waits for one: at most `timeout`, and at most kLongestWait.
     virtual std::size_t receive_within(Time timeout, std::span<Frame> frames) {
         const std::size_t count = receive(frames);
         return count > 0 || !wait(timeout) ? count : receive(frames);
     }
 
-    /// Sends now or not at all: false when the queue is full or the link is down. Never waits, never retries.
+    /// Sends the frame at once, or discards it and returns false if the queue is full or the link is down. Never waits or retries.
     virtual bool send(const Frame& frame) = 0;
 
-    /// A period's frames, in order, each now or not at all: returns how many were taken. What follows one that
-    /// was not taken is given up with it.
+    /// Sends the frames of one period in order, without waiting; returns how many were taken. After the first frame that is not taken the rest is
+    /// discarded.
     virtual std::size_t send_all(std::span<const Frame> frames) {
         std::size_t taken = 0;
         while (taken < frames.size() && send(frames[taken])) ++taken;
         return taken;
     }
 
-    /// Waits until a frame can be received or `timeout` has passed; false on time-out.
+    /// Waits until a frame can be received or `timeout` has passed; false after a time-out.
     virtual bool wait(Time timeout) = 0;
 
     [[nodiscard]] virtual LinkStatus status() const = 0;

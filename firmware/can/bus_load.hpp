@@ -1,4 +1,4 @@
-/// How full the bus is, from the layout alone.
+/// Bus load, computed from the layout alone.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ namespace antiskid::can {
 }
 
 struct BusLoad {
-    double mean = 0.0;  ///< share of the bus in the long run, 0 to 1, every frame stuffed to the worst
-    double peak = 0.0;  ///< share of the fullest control period, both programs stepping together
+    double mean = 0.0;  ///< long-term share of the bit rate, 0 to 1, with worst-case bit stuffing
+    double peak = 0.0;  ///< the same within the busiest control period, if rig and controller step together
 };
 
-/// Every cyclic message of `layout` with rig and controller at `step`, one SYNC a step if `with_sync`.
+/// Counts every cyclic message of `layout` at the control period `step`, and one SYNC per step if `with_sync`.
 [[nodiscard]] BusLoad bus_load(const Layout& layout, control::Time step, std::uint32_t bitrate_bps, bool with_sync);
 
 }  // namespace antiskid::can

@@ -35,11 +35,10 @@ struct CandumpFailure {
 /// Longest line that format() writes, without a line end.
 inline constexpr std::size_t kCandumpLineMax = 80;
 
-/// Writes `(sssssssssss.uuuuuu) interface 1A0#0011` to `out`; returns the number of characters, 0 when it
-/// does not fit (interface names have at most 15). `time` >= 0, cut to microseconds. Remote and error frames and
-/// long identifiers as `candump -l` has them.
+/// Writes `(sssssssssss.uuuuuu) interface 1A0#0011` to `out`; returns the number of characters, 0 if it does not fit (interface names have at most
+/// 15). `time` >= 0 is truncated to microseconds. Remote frames, error frames and 29-bit identifiers are written as `candump -l` writes them.
 [[nodiscard]] std::size_t format_candump(const CandumpLine& line, std::span<char> out);
-/// The same of a data frame with an 11-bit identifier.
+/// The same for a data frame with an 11-bit identifier.
 [[nodiscard]] std::size_t format_candump(Time time, std::string_view interface, const Frame& frame, std::span<char> out);
 
 }  // namespace antiskid::can

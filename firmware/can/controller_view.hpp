@@ -1,4 +1,4 @@
-/// What others on the bus know of the controller. Freestanding.
+/// The controller's state as received from the bus. Freestanding.
 #pragma once
 
 #include "firmware/can/layout.hpp"
@@ -6,7 +6,7 @@
 
 namespace antiskid::can {
 
-/// A member keeps its last accepted value.
+/// Each member keeps its last accepted value.
 struct ControllerView {
     control::Time command_received = control::kNever;
     float current_mA = 0.0F;  ///< newest accepted valve command
@@ -22,8 +22,8 @@ struct ControllerView {
     control::Time heartbeat_received = control::kNever;
 };
 
-/// Takes over a frame of the controller that passed its checks. False, with `view` unchanged, when a value
-/// has no meaning or the role is none of the controller's.
+/// Copies the values of a checked frame of the controller into `view`. False, with `view` unchanged, if a code is undefined or the role is not one
+/// that the controller sends.
 [[nodiscard]] bool apply(const Layout& layout, Role role, const Payload& payload, control::Time received, ControllerView& view);
 
 }  // namespace antiskid::can

@@ -22,7 +22,7 @@ inline constexpr std::array<std::uint8_t, 256> kCrc8Table = [] {
 }();
 }  // namespace detail
 
-/// A running check value, for bytes that do not lie side by side.
+/// A running CRC, for bytes that are not contiguous.
 class Crc8 {
   public:
     constexpr void add(std::uint8_t byte) { register_ = detail::kCrc8Table[register_ ^ byte]; }

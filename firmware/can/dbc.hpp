@@ -1,9 +1,8 @@
 /// The part of a DBC file that a layout needs: messages, signals, units, value tables, cycle times, comments.
 ///
-/// Read: BO_, SG_, VAL_, CM_, BA_ "GenMsgCycleTime", SIG_VALTYPE_. Everything else is skipped. A malformed
-/// one of these is refused with file and line; what is merely unusual (29-bit identifiers, FD lengths,
-/// multiplexing, floats, fields that overlap or stick out of the payload, references to unknown messages) is
-/// read and left to whoever wants to use the signal.
+/// Read: BO_, SG_, VAL_, CM_, BA_ "GenMsgCycleTime", SIG_VALTYPE_. Everything else is skipped. A malformed statement of these kinds is refused with
+/// file and line. Unusual content (29-bit identifiers, FD lengths, multiplexing, floats, fields that overlap or exceed the payload, references to
+/// unknown messages) is read; the user of the signal must check it.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +52,7 @@ struct Dbc {
 
 /// Throws settings::Error naming file and line.
 [[nodiscard]] Dbc load_dbc(const std::filesystem::path& path);
-/// The same from memory; `file` stands in messages.
+/// The same from memory; `file` is the name used in error messages.
 [[nodiscard]] Dbc parse_dbc(std::string_view text, std::string file);
 
 }  // namespace antiskid::can

@@ -1,4 +1,4 @@
-/// A place in the text of a DBC file, and the small things that are read from there.
+/// Reads tokens from the text of a DBC file.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace antiskid::can {
 
-/// Every read skips blanks first and throws settings::Error with file and line when something else is there.
+/// Every read skips blanks first, and throws settings::Error with file and line if the text is not what was asked for.
 class DbcCursor {
   public:
     DbcCursor(std::string_view text, std::string file);
 
-    /// Blanks within the line, or line ends too.
+    /// skip_blanks() stays within the line; skip_space() also skips line ends.
     void skip_blanks();
     void skip_space();
     [[nodiscard]] bool at_end() const { return position_ == text_.size(); }
@@ -22,16 +22,16 @@ class DbcCursor {
     [[nodiscard]] char peek();
     [[nodiscard]] std::uint32_t line() const { return line_; }
 
-    /// To the start of the next line, past strings that hold line ends.
+    /// Moves to the start of the next line; a line end inside a string does not count.
     void skip_line();
-    /// Past the next semicolon outside a string.
+    /// Moves past the next semicolon that is not inside a string.
     void skip_statement();
 
     /// Up to white space or one of : ; , " ( ) [ ] | @
     [[nodiscard]] std::string_view word(std::string_view what);
     [[nodiscard]] std::uint64_t natural(std::string_view what, std::uint64_t max);
     [[nodiscard]] double number(std::string_view what);
-    /// Between double quotes, over line ends; \" stands for a quote.
+    /// Text between double quotes, which may contain line ends; \" is a quote.
     [[nodiscard]] std::string quoted(std::string_view what);
     void expect(char wanted, std::string_view where);
     /// '+' or '-' right here.

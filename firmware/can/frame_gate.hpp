@@ -1,5 +1,4 @@
-/// The checks that every received frame passes, the same on both sides: identifier, length, CRC, counter.
-/// Freestanding.
+/// Checks of a received frame, the same for rig and controller: identifier, length, CRC, counter. Freestanding.
 #pragma once
 
 #include <array>
@@ -14,12 +13,12 @@ namespace antiskid::can {
 
 class FrameGate {
   public:
-    /// Frames of the bound `roles` may pass. `layout` must outlive the gate.
+    /// Accepts frames of those `roles` that the layout binds. `layout` must outlive the gate.
     FrameGate(const Layout& layout, std::span<const Role> roles);
 
     struct Result {
-        std::optional<Role> role;  ///< none: no identifier of ours
-        bool ok = false;           ///< every check passed; not counted as accepted yet, the value is still to be judged
+        std::optional<Role> role;  ///< none: the identifier is not one of `roles`
+        bool ok = false;           ///< every check passed; the caller decodes the value and then calls one of the count_ functions
     };
     [[nodiscard]] Result check(const Frame& frame, const Payload& payload);
 

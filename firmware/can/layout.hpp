@@ -1,6 +1,5 @@
-/// Where every number that controller and rig exchange sits on the bus: one immutable table, made at start
-/// from a DBC and a binding (load_layout.hpp), or compiled in on a microcontroller. Fixed size, trivially
-/// copyable, freestanding.
+/// The bus layout: message and field of every value that controller and rig exchange. One immutable table, built at start from a DBC and a binding
+/// (load_layout.hpp), or compiled in on a microcontroller. Fixed size, trivially copyable, freestanding.
 #pragma once
 
 #include <array>
@@ -67,7 +66,7 @@ struct ManeuverSignals {
     Signal deceleration_mps2;
     Signal current_mA;
 
-    /// A narrower field would send another law's code.
+    /// Whether the field is wide enough for the code; a narrower one would truncate it to another law's code.
     [[nodiscard]] constexpr bool has(control::Law code) const { return static_cast<std::uint64_t>(code) <= law.mask(); }
 };
 

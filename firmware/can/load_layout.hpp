@@ -1,5 +1,4 @@
-/// Makes the Layout from the two files a rig owner edits: a DBC (messages and signals) and a binding (which
-/// of them is what).
+/// Builds the Layout from the two files that a rig owner edits: a DBC (messages and signals) and a binding (the role of each).
 #pragma once
 
 #include <filesystem>
@@ -8,15 +7,14 @@
 
 namespace antiskid::can {
 
-/// What the fields of brake pressure and demand, and of the valve's current, must be able to say on a rig.
+/// Largest values that the fields must be able to represent: brake pressure and demand, and valve current.
 struct Reach {
     double pressure_Pa = 0.0;
     double current_mA = 0.0;
 };
 
-/// Reads and checks both files whole. Throws settings::Error, whose text names file, line and key (or message
-/// and signal) and says what would be right, for whatever is missing, unknown, contradictory, overlapping, in
-/// a wrong unit or too narrow. docs/user/can.md has the keys of the binding.
+/// Throws settings::Error for anything missing, unknown, contradictory, overlapping, in a wrong unit or too narrow; its text names file, line and key
+/// (or message and signal) and says what would be right. docs/user/can.md has the keys of the binding.
 [[nodiscard]] Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding, const Reach& reach = {});
 
 }  // namespace antiskid::can

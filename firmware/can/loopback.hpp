@@ -1,7 +1,6 @@
-/// A bus in process, for tests and studies: what one end sends, every other end receives, in order.
-/// Deterministic.
+/// An in-process bus for tests and studies: every frame sent by one end is received by all other ends, in order. Deterministic.
 ///
-/// One thread only. Time is handed in: frames carry the time last set, and wait() never waits.
+/// For one thread. Frames are stamped with the time of the last set_time(), and wait() never waits.
 #pragma once
 
 #include <array>
@@ -14,8 +13,7 @@ namespace antiskid::can {
 
 class Loopback {
   public:
-    /// Frames that an end holds until it receives them; a further one is lost and counted in its
-    /// `receive_dropped`.
+    /// Capacity of an end's receive queue, in frames; further frames are lost and counted in its `receive_dropped`.
     static constexpr std::size_t kQueue = 256;
 
     class End final : public Bus {
@@ -24,11 +22,11 @@ class Loopback {
         std::size_t receive(std::span<Frame> frames) override;
         /// False while this end's link is down or bus-off.
         bool send(const Frame& frame) override;
-        /// Whether a frame is there; time does not pass here.
+        /// Whether a frame is waiting; returns at once.
         bool wait(Time timeout) override;
         [[nodiscard]] LinkStatus status() const override { return status_; }
 
-        /// As a chip would report it: an end that is down or bus-off neither sends nor receives.
+        /// Sets the reported link state. An end that is down or bus-off neither sends nor receives.
         void set_link(bool up, bool bus_off);
 
       private:
@@ -46,7 +44,7 @@ class Loopback {
     Loopback(const Loopback&) = delete;
     Loopback& operator=(const Loopback&) = delete;
 
-    /// A new end; the hub owns it. Not for the real-time path.
+    /// A new end, owned by the hub. Allocates: not for the real-time path.
     [[nodiscard]] End& connect();
     /// The time stamp of frames sent from now on.
     void set_time(Time now) { now_ = now; }

@@ -1,5 +1,4 @@
-/// One role's table of the binding against the DBC: finds the message and its signals, checks them, turns
-/// them into Signals.
+/// Resolves one role's table of the binding against the DBC: finds the message and its signals, checks them and makes Signals of them.
 #pragma once
 
 #include <cstdint>
@@ -22,11 +21,10 @@ struct Widths {
     std::uint32_t max = 32;
 };
 
-/// Every function throws settings::Error at the key of the binding that is to blame. Meant to live while its
-/// table is read.
+/// Every function throws settings::Error at the binding's key that is wrong. `dbc` must outlive the object.
 class MessageBinder {
   public:
-    /// `table`: the role's table. Finds its `message` in `dbc`.
+    /// Looks up the `message` of `table`, the role's table, in `dbc`.
     MessageBinder(const Dbc& dbc, settings::Table table);
 
     /// Identifier, length, and `period_ms` for a cyclic message.
@@ -37,13 +35,12 @@ class MessageBinder {
     /// `key = "SignalName"`: a code, count or flag, without unit, factor and offset.
     [[nodiscard]] Signal whole(std::string_view key, const Widths& widths);
     [[nodiscard]] Signal whole(const settings::Table& table, std::string_view key, const Widths& widths);
-    /// As whole(); where the DBC has a value table it must not give the name of one code to another.
+    /// As whole(); a value table in the DBC must not give a code the name that `names` has for another one.
     [[nodiscard]] Signal code(std::string_view key, const Widths& widths, std::span<const std::string_view> names);
     /// `key = { signal = "SignalName", unit = "bar" }`.
-    /// `reach`: a value that it must be able to say, in the controller's unit.
+    /// `reach`: a value that the field must be able to represent, in the controller's unit.
     [[nodiscard]] Signal physical(std::string_view key, Quantity quantity, double reach = 0.0);
-    /// An angular speed in a unit of angular speed, or in one of rim speed and then with the rim's
-    /// `radius_m`.
+    /// An angular speed, given in a unit of angular speed, or in a unit of rim speed together with the rim's `radius_m`.
     [[nodiscard]] Signal rotation(std::string_view key);
     /// The time of an edge: unsigned, rolls over, no offset.
     [[nodiscard]] Signal clock(std::string_view key);
@@ -66,7 +63,7 @@ class MessageBinder {
     const Dbc& dbc_;
     settings::Table table_;
     const DbcMessage* message_ = nullptr;
-    /// Bits of the payload that bound signals already use, in Intel numbering, and by whom.
+    /// Payload bits used by a signal that is already bound, in Intel numbering, and that signal's key.
     struct Taken {
         std::uint64_t bits;
         std::string key;

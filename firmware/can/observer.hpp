@@ -1,5 +1,5 @@
-/// Listens to everybody: takes any frame of the layout, whoever sent it, and keeps what the frames say. For
-/// views, recordings and measurements; sends nothing. Freestanding.
+/// Decodes every message of the layout, whoever sent it, and keeps the newest values. For views, recordings and measurements; sends nothing.
+/// Freestanding.
 ///
 ///     Observer observer(layout);
 ///     for (frames received) if (const auto role = observer.accept(frame)) ...   // observer.view() has it
@@ -17,8 +17,8 @@
 
 namespace antiskid::can {
 
-/// A member keeps its last accepted value; its time is Frame::received of the frame that brought it, kNever
-/// before the first. `rejected` of the inputs stays 0: see Observer::stats().
+/// Each member keeps its last accepted value, with Frame::received of its frame as time; kNever before the first. `rejected` of the inputs stays 0:
+/// see Observer::stats().
 struct BusView {
     control::SpeedInput wheel;
     control::SpeedInput flywheel;
@@ -27,7 +27,7 @@ struct BusView {
     control::Time rig_heartbeat_received = control::kNever;
     control::Time emergency_stop_received = control::kNever;
     control::Time sync_received = control::kNever;
-    std::uint32_t sync_number = 0;  ///< as sent, modulo its field; 0 when this layout's SYNC carries nothing
+    std::uint32_t sync_number = 0;  ///< as sent, modulo its field; 0 if the layout's SYNC has no number
     control::Time load_cells_received = control::kNever;
     LoadCellSample load_cells;
     control::Time maneuver_state_received = control::kNever;
@@ -41,8 +41,7 @@ class Observer {
     explicit Observer(const Layout& layout);
     explicit Observer(const Layout&& layout) = delete;
 
-    /// The role of the frame when every check passed and the view has taken it over; none for a foreign or
-    /// refused one.
+    /// The frame's role if it passed every check and is now in view(); none if its identifier is unknown or it was refused.
     std::optional<Role> accept(const Frame& frame);
 
     [[nodiscard]] const BusView& view() const { return view_; }

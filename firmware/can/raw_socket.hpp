@@ -1,5 +1,4 @@
-/// A raw CAN socket while it is being set up: every refusal is a std::runtime_error that names the interface and the command that
-/// mends it.
+/// Sets up a raw CAN socket. Every failure is a std::runtime_error that names the interface and the command that corrects it.
 #pragma once
 
 #include <sys/socket.h>
@@ -11,14 +10,14 @@ namespace antiskid::can {
 
 class RawSocket {
   public:
-    enum class Calls : bool { never_wait, may_wait };  ///< those that do not say MSG_DONTWAIT
-    /// Closed on exec. Refused when the interface is absent, down or no CAN, or the kernel has no CAN.
+    enum class Calls : bool { never_wait, may_wait };  ///< whether calls without MSG_DONTWAIT may block
+    /// Throws if the interface is missing, down or not CAN, or the kernel has no CAN support. The socket is closed on exec.
     explicit RawSocket(std::string interface, Calls calls = Calls::never_wait);
     ~RawSocket();
     RawSocket(const RawSocket&) = delete;
     RawSocket& operator=(const RawSocket&) = delete;
 
-    /// `name` stands in the refusal: "refused NAME".
+    /// `name` appears in the error text: "refused NAME".
     template <typename T>
     void set_option(int level, int option, const T& value, const char* name) const {
         set_option(level, option, &value, sizeof value, name);
@@ -27,7 +26,7 @@ class RawSocket {
     void bind() const;
 
     [[nodiscard]] int get() const { return socket_; }
-    /// Now it is the caller's to close.
+    /// Passes ownership to the caller, who must close the descriptor.
     [[nodiscard]] int release() { return std::exchange(socket_, -1); }
 
   private:

@@ -1,5 +1,4 @@
-/// The rig's door to the bus, the mirror of ControllerPort: samples in, frames out; valve command and status
-/// in. Freestanding.
+/// The rig's counterpart of ControllerPort: RigSample to frames; frames of the controller to a ControllerView. Freestanding.
 #pragma once
 
 #include <array>
@@ -17,21 +16,20 @@ namespace antiskid::can {
 
 class RigPort {
   public:
-    /// Most frames that due_frames() can give.
+    /// Largest number of frames that due_frames() returns.
     static constexpr std::size_t kMaxFrames = 8;
 
-    /// `layout` must outlive the port. `step` > 0 is the period at which due_frames() is called; `sends`: the
-    /// roles that it gives, e.g. kFromBridge, where several programs share the rig's part.
+    /// `layout` must outlive the port. `step` > 0 is the period at which due_frames() is called; `sends`: the roles that this program sends, e.g.
+    /// kFromBridge if several programs share the rig's part.
     RigPort(const Layout& layout, control::Time step, std::span<const Role> sends = kFromRig);
     RigPort(const Layout&& layout, control::Time step, std::span<const Role> sends = kFromRig) = delete;
 
-    /// Once a step: the frames due now, in this order: emergency stop while it is asked for, wheel, flywheel,
-    /// pressure, maneuver, heartbeat, load cells, maneuver state (which is due, besides its period, whenever
-    /// phase or number changed). SYNC is not among them. Returns how many were written to `out`, which must
-    /// have room for kMaxFrames.
+    /// Call once a step: writes the frames that are due to `out` and returns their number. Order: emergency stop while requested, wheel, flywheel,
+    /// pressure, maneuver, heartbeat, load cells, maneuver state (also whenever phase or number has changed). SYNC is not among them. `out` needs
+    /// room for kMaxFrames.
     [[nodiscard]] std::size_t due_frames(const RigSample& sample, std::span<Frame> out);
 
-    /// One frame at once, outside the cycle. Each advances its alive counter.
+    /// Make one frame outside the cycle. Each call advances the message's alive counter.
     [[nodiscard]] Frame wheel(const SpeedSample& sample);
     [[nodiscard]] Frame flywheel(const SpeedSample& sample);
     [[nodiscard]] Frame pressure(float pressure_Pa);
@@ -39,9 +37,9 @@ class RigPort {
     [[nodiscard]] Frame heartbeat();
     [[nodiscard]] Frame emergency_stop();
     [[nodiscard]] Frame load_cells(const LoadCellSample& sample);
-    /// This and SYNC only where the layout has the message.
+    /// This and sync(): only for layouts that have the message.
     [[nodiscard]] Frame maneuver_state(const ManeuverStateSample& sample);
-    /// Carries `number` modulo its field.
+    /// The frame carries `number` modulo its field.
     [[nodiscard]] Frame sync(std::uint32_t number);
 
     void accept(const Frame& frame);

@@ -1,4 +1,4 @@
-/// What a rig puts on the bus in one period, in SI: the other side of control::Sensors.
+/// The values that a rig sends in one period, in SI units: the counterpart of control::Sensors.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,7 @@
 
 namespace antiskid::can {
 
-/// One toothed encoder as its own electronics see it, and the speed that a sensor of the other kind would
-/// report.
+/// Output of one toothed encoder, and the speed that a sensor reporting speed would send instead.
 struct SpeedSample {
     std::uint32_t edge_count = 0;  ///< rolls over
     control::Time edge_time{};     ///< sensor's clock

@@ -14,10 +14,10 @@ inline constexpr std::array kToController{Role::wheel,         Role::flywheel,  
                                           Role::rig_heartbeat, Role::emergency_stop, Role::sync};
 inline constexpr std::array kToRig{Role::valve, Role::status, Role::faults, Role::road, Role::controller_heartbeat};
 
-/// What a rig without a bridge sends; SYNC is sent apart.
+/// What a rig without a bridge sends; SYNC is sent separately.
 inline constexpr std::array kFromRig{Role::wheel,         Role::flywheel,       Role::pressure,  Role::maneuver,
                                      Role::rig_heartbeat, Role::emergency_stop, Role::load_cells};
-/// The same shared between the rig's sensors and the rig bridge.
+/// The same messages, divided between the rig's sensors and the rig bridge.
 inline constexpr std::array kFromRigSensors{Role::wheel, Role::flywheel, Role::pressure};
 inline constexpr std::array kFromBridge{Role::maneuver, Role::rig_heartbeat, Role::emergency_stop, Role::load_cells, Role::maneuver_state};
 
@@ -38,7 +38,7 @@ class IdList {
     std::size_t count_ = 0;
 };
 
-/// The bound identifiers of `roles`, e.g. kToController.
+/// Identifiers of those of `roles` that the layout binds.
 [[nodiscard]] constexpr IdList ids(const Layout& layout, std::span<const Role> roles) {
     IdList list;
     for (const Role role : roles) {

@@ -1,6 +1,5 @@
-/// Rig and controller joined without bytes, for studies in process: every value is rounded, limited and
-/// rolled over exactly as the frames of `layout` would do it, and comes as often. No loss, no delay, no
-/// protection. Freestanding; tens of ns a step.
+/// Connects rig and controller in process without encoding frames, for studies: every value is rounded, limited, rolled over and repeated exactly as
+/// the frames of `layout` would. No loss, delay or protection. Freestanding.
 ///
 /// Proven equal to RigPort -> frames -> ControllerPort by test (CAN-070).
 #pragma once
@@ -21,8 +20,7 @@ class RoundedLink {
     RoundedLink(const Layout& layout, control::Time step);
     RoundedLink(const Layout&& layout, control::Time step) = delete;
 
-    /// Once a step: what the controller knows after the frames that are due at this step, all received at
-    /// `now`.
+    /// Call once a step: the controller's inputs after the frames due at this step, all received at `now`.
     [[nodiscard]] const control::Sensors& sense(const RigSample& sample, control::Time now);
 
     /// The valve current as the rig's valve driver decodes it.

@@ -1,5 +1,4 @@
-/// From raw integers to control::Sensors: used behind the bytes (ControllerPort) and without them
-/// (RoundedLink), so that both give the same numbers. Freestanding.
+/// Converts between raw integers and control::Sensors. ControllerPort and RoundedLink both use it, so that they give the same numbers. Freestanding.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +25,7 @@ struct RawManeuver {
     std::int64_t current = 0;
 };
 
-/// What the sensor's electronics would put on the bus: counts and times modulo their fields, values rounded
-/// and limited.
+/// The raw values that a sensor would send: counts and times modulo their fields, values rounded and limited.
 [[nodiscard]] RawSpeed to_raw(const SpeedSignals& signals, const SpeedSample& sample);
 [[nodiscard]] RawManeuver to_raw(const ManeuverSignals& signals, const ManeuverSample& sample);
 
@@ -37,9 +35,8 @@ struct RawManeuver {
 
 /// Continues edge count and edge time across the roll-over of their fields.
 ///
-/// The count goes on modulo 2^32. The time goes on as if the field never rolled over, which holds while an
-/// edge comes at least once per roll-over of the field (429 s in our layout): after a longer standstill the
-/// first interval is short by whole roll-overs. Both start from the first raw value.
+/// The count continues modulo 2^32, the time without roll-over; both start from the first raw value. At least one edge is needed per roll-over of the
+/// time field (429 s in config/antiskid.dbc): after a longer standstill the first interval is too short by whole roll-overs.
 class SpeedDecoder {
   public:
     void apply(const SpeedSignals& signals, const RawSpeed& raw, control::Time received, control::SpeedInput& input);
@@ -50,7 +47,7 @@ class SpeedDecoder {
     std::uint64_t ticks_ = 0;
 };
 
-/// False, with `input` unchanged, when the law is none that exists.
+/// False, with `input` unchanged, if the law's code is undefined.
 [[nodiscard]] bool apply(const ManeuverSignals& signals, const RawManeuver& raw, control::Time received, control::ManeuverInput& input);
 
 }  // namespace antiskid::can

@@ -1,9 +1,8 @@
-/// How one number sits in the eight bytes of a classic CAN frame, and how it is rounded. Freestanding; a few
-/// ns a signal.
+/// Position of one value in the eight bytes of a classic CAN frame, and its rounding. Freestanding.
 ///
 /// raw = round((value - offset) / scale), halves away from zero, limited to raw_min..raw_max; value = raw *
 /// scale + offset. `value` is in the controller's unit of the quantity (rad/s, Pa, mA, m/s2, N, N m, ns, 1):
-/// the unit that a layout uses on the bus is folded into scale and offset.
+/// scale and offset include the conversion from the bus unit.
 #pragma once
 
 #include <array>
@@ -17,7 +16,7 @@ struct Signal {
     std::uint8_t bits = 0;    ///< 1 to 48; 0: the layout has no such signal
     bool big_endian = false;  ///< Motorola order
     bool is_signed = false;
-    std::int64_t raw_min = 0;  ///< what the encoder limits to: the DBC's range, or the field's where that is tighter
+    std::int64_t raw_min = 0;  ///< encoder's limits: the DBC's range, or the field's if that is narrower
     std::int64_t raw_max = 0;
     double scale = 1.0;      ///< never 0
     double per_scale = 1.0;  ///< 1 / scale
@@ -26,7 +25,7 @@ struct Signal {
     [[nodiscard]] constexpr bool bound() const { return bits != 0; }
     [[nodiscard]] constexpr std::uint64_t mask() const { return (std::uint64_t{1} << bits) - 1U; }
 
-    /// NaN is taken for 0: a number that is none must not become full scale.
+    /// NaN is encoded as 0, so that it cannot become full scale.
     [[nodiscard]] constexpr std::int64_t raw(double value) const {
         const double finite = value == value ? value : 0.0;
         const double scaled = (finite - offset) * per_scale;
@@ -35,7 +34,7 @@ struct Signal {
         return static_cast<std::int64_t>(scaled < 0.0 ? scaled - 0.5 : scaled + 0.5);
     }
     [[nodiscard]] constexpr double value(std::int64_t raw_value) const { return static_cast<double>(raw_value) * scale + offset; }
-    /// The value as the far end will read it.
+    /// The value as the receiver will decode it.
     [[nodiscard]] constexpr double rounded(double unrounded) const { return value(raw(unrounded)); }
 };
 
@@ -54,12 +53,12 @@ class Payload {
         const std::uint64_t sign = signal.is_signed ? std::uint64_t{1} << (signal.bits - 1U) : 0U;
         return static_cast<std::int64_t>((field ^ sign) - sign);
     }
-    /// The field must still be zero. Bits of `raw` above the field are dropped: counters roll over.
+    /// The field must still be zero. Bits of `raw` beyond the field are dropped, so that counters roll over.
     constexpr void write(const Signal& signal, std::int64_t raw) {
         const std::uint64_t field = (static_cast<std::uint64_t>(raw) & signal.mask()) << signal.shift;
         (signal.big_endian ? motorola_ : intel_) |= field;
     }
-    /// After the last write().
+    /// Call after the last write().
     [[nodiscard]] constexpr std::array<std::uint8_t, 8> bytes() const {
         const std::uint64_t word = intel_ | reversed(motorola_);
         std::array<std::uint8_t, 8> out{};

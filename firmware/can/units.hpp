@@ -1,4 +1,4 @@
-/// The units that a signal may have on the bus, and their size in the controller's unit of that quantity.
+/// Units that a signal may have on the bus, and their conversion to the controller's units.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +23,15 @@ enum class Quantity : std::uint8_t {
 
 struct Unit {
     Quantity quantity = Quantity::ratio;
-    double factor = 1.0;  ///< one of it, in the controller's unit
+    double factor = 1.0;  ///< size of one unit in the controller's unit
 
     bool operator==(const Unit&) const = default;
 };
 
-/// By any of its usual spellings (rpm, 1/min); none when unknown. The empty text is the unit 1.
+/// Finds a unit by any usual spelling (rpm, 1/min); none if unknown. The empty text is the unit 1.
 [[nodiscard]] std::optional<Unit> find_unit(std::string_view spelling);
 
-/// "bar, kPa, mbar, MPa, Pa, psi": what a binding may say for `quantity`.
+/// "bar, kPa, mbar, MPa, Pa, psi": the units that a binding may use for `quantity`.
 [[nodiscard]] std::string units_of(Quantity quantity);
 
 }  // namespace antiskid::can

@@ -1,5 +1,4 @@
-/// The names of the codes on the bus, as value tables and bindings spell them; each at the index that is its
-/// number.
+/// Names of the codes on the bus, as written in value tables and bindings. The array index is the code.
 #pragma once
 
 #include <array>
@@ -12,7 +11,7 @@ namespace antiskid::can {
 inline constexpr std::array<std::string_view, control::kLawCount> kLawNames{"wheel_slip", "deceleration",  "open_loop",
                                                                             "threshold",  "pressure_bias", "peak_slip"};
 
-/// Phases of a maneuver as the rig bridge steps through them.
+/// Phases of a maneuver, see rig_bridge/rig/sequencer.hpp.
 inline constexpr std::array<std::string_view, 11> kPhaseNames{"idle",    "spin_up",   "touchdown", "settling", "braking", "standstill",
                                                               "retract", "cool_down", "finished",  "aborting", "aborted"};
 

@@ -1,4 +1,4 @@
-/// Takes kernel time stamps, which are wall clock, to the monotonic clock.
+/// Converts the kernel's wall-clock time stamps to the monotonic clock.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct ClockReading {
     Time monotonic{};  ///< now
 };
 
-/// Reads both clocks rarely: each reading costs a system call where the kernel has no vDSO.
+/// Reads the clocks only every kBatches batches or after a jump: a reading costs a system call where there is no vDSO.
 class WallClockOffset {
   public:
     using Clock = std::function<ClockReading()>;
@@ -24,35 +24,35 @@ class WallClockOffset {
 
     explicit WallClockOffset(Clock clock) : clock_(std::move(clock)), offset_(clock_().wall_minus_monotonic) {}
 
-    /// Once per batch of frames, before its stamps.
+    /// Call once per batch of frames, before monotonic().
     void next_batch() {
         if (++batches_ < kBatches) return;
         const Time before = offset_;
         static_cast<void>(measure());
-        // The clock was set while frames may be waiting that have its old stamps: the first with a new one leaps, and tells; or else
-        // the next reading does.
+        // The wall clock was set, but queued frames may still have old stamps: keep the old offset until a stamp jumps or the next reading confirms
+        // the change.
         was_set_ = !was_set_ && differs(offset_, before);
         if (was_set_) offset_ = before;
     }
-    /// Never still to come.
+    /// The stamp on the monotonic clock; never in the future.
     [[nodiscard]] Time monotonic(Time wall) {
         const Time mapped = wall - offset_;
         if (mapped >= last_ && mapped - last_ <= kLeap) return last_ = mapped;
         const Time before = offset_;
         const Time now = measure();
         const Time fresh = wall - offset_;
-        // Stamped before the clock was set and read after: of both times the later one that is not still to come.
+        // The frame was stamped before the clock was set and is read after it: use the later of both times that is not in the future.
         if (differs(offset_, before) && mapped <= now && (fresh > now + kLeap || fresh < mapped)) {
             offset_ = before;
             return last_ = mapped;
         }
-        // A clock that was set and set back before anybody looked leaves stamps of an offset that nobody saw.
+        // If the clock was set and set back between two readings, the stamps have an offset that was never measured.
         return last_ = std::min(fresh, now);
     }
 
   private:
     [[nodiscard]] static bool differs(Time a, Time b) noexcept { return a - b > kLeap || b - a > kLeap; }
-    /// The monotonic clock then.
+    /// Measures the offset; returns the monotonic time of the measurement.
     Time measure() noexcept {
         const ClockReading reading = clock_();
         offset_ = reading.wall_minus_monotonic;

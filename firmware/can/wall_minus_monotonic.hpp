@@ -1,4 +1,4 @@
-/// How far the wall clock is ahead of the monotonic one, now. For Linux.
+/// Measures the offset of the wall clock from the monotonic clock. For Linux.
 #pragma once
 
 #include <ctime>
@@ -7,7 +7,7 @@
 
 namespace antiskid::can {
 
-/// The wall clock against the middle of two monotonic readings; again when something came in between.
+/// Reads the wall clock between two monotonic readings; repeats when they are more than 50 us apart, at most three times in all.
 struct WallMinusMonotonic {
     [[nodiscard]] static Time read(clockid_t clock) {
         timespec now{};

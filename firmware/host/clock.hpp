@@ -1,4 +1,4 @@
-/// The machine's clock as the loop uses it; injected, so that tests bring their own time.
+/// The clock of the control loop; injected, so that tests can control time.
 #pragma once
 
 #include "firmware/control/types.hpp"
@@ -15,7 +15,7 @@ class Clock {
     virtual void sleep_until(Time deadline) = 0;
 };
 
-/// CLOCK_MONOTONIC; sleeps to absolute deadlines, so that the time between two calls never adds up to drift.
+/// CLOCK_MONOTONIC; sleeps until absolute deadlines, so that delays do not accumulate.
 class MonotonicClock final : public Clock {
   public:
     [[nodiscard]] Time now() override;

@@ -1,8 +1,7 @@
 /// The real-time loop: one wait, one receive, a step, one send, a record. Nothing in it allocates, locks, logs
 /// or throws.
 ///
-/// The valve command goes first, so that nothing delays it; in lockstep it goes last, because the rig moves
-/// on when it has it.
+/// The valve command goes first, so that nothing delays it; in lockstep it goes last, because the rig continues as soon as it receives it.
 #pragma once
 
 #include <atomic>
@@ -36,20 +35,19 @@ struct LoopContext {
 
 class ControlLoop {
   public:
-    /// Closing commands: as many as must get through, and how often at most that is tried, one period apart.
+    /// On exit the safe current is sent one period apart until the bus has taken kSafeCommands of them, in at most kSafeAttempts attempts.
     static constexpr std::uint32_t kSafeCommands = 3;
     static constexpr std::uint32_t kSafeAttempts = 100;
-    /// In lockstep every so many-th step is timed: the rig waits for all that the loop does, and in a virtual machine
-    /// a reading of the clock costs as much as a reception.
+    /// In lockstep only every kTimedSteps-th step is timed: the rig waits for the loop, and in a virtual machine reading the clock costs as much as
+    /// receiving a frame.
     static constexpr std::uint64_t kTimedSteps = 16;
 
     ControlLoop(const LoopSettings& settings, const LoopContext& context) : settings_(settings), context_(context) {}
 
-    /// Until `stop`; then the valve's safe current, kSafeCommands times, is the last that the bus gets from
-    /// here.
+    /// Runs until `stop` is set; the last frames that it sends are kSafeCommands valve commands with the safe current.
     void run(const std::atomic<bool>& stop);
 
-    /// Once run() has returned.
+    /// Valid after run() has returned.
     [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
 
   private:

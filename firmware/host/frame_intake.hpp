@@ -1,4 +1,4 @@
-/// From the bus to the controller's port, in order and bounded.
+/// Passes frames from the bus to the controller's port, in order and bounded in number.
 #pragma once
 
 #include <array>
@@ -11,26 +11,25 @@ namespace antiskid::host {
 
 class FrameIntake {
   public:
-    /// Most frames taken in one call: more than ten times what 1 Mbit/s can carry in 1 ms. What is left stays
-    /// in the kernel's queue.
+    /// Largest number of frames taken in one call: more than ten times what 1 Mbit/s can carry in 1 ms. The rest waits for the next call.
     static constexpr std::size_t kMax = 256;
 
     struct Taken {
         std::size_t frames = 0;
-        bool full = false;              ///< stopped at kMost, there may be more
+        bool full = false;              ///< stopped at kMax, more may be waiting
         bool sync = false;              ///< the last one was an accepted SYNC
-        control::Time sync_received{};  ///< its reception, on the clock of the bus
+        control::Time sync_received{};  ///< reception of the last frame taken, on the clock of the bus
     };
 
     /// Both must outlive the intake.
     FrameIntake(can::Bus& bus, can::ControllerPort& port) : bus_(bus), port_(port) {}
 
-    /// All that has arrived, by one call to the bus unless there is more than a batch. A reception later than `now` (a frame that came while this
-    /// call ran) becomes `now`.
+    /// Takes all frames that have arrived, with one call to the bus unless they exceed a batch. A reception time later than `now` (the frame arrived
+    /// during this call) becomes `now`.
     Taken drain(control::Time now);
 
-    /// Up to and including the next SYNC, waiting up to `longest` where nothing is there; all of them count as
-    /// received at `now`, the lockstep time. Frames behind SYNC wait for the next call.
+    /// Takes frames up to and including the next SYNC; waits up to `longest` if none has arrived. All count as received at `now`, the lockstep time.
+    /// Frames after SYNC wait for the next call.
     Taken take_until_sync(control::Time now, control::Time longest = {});
 
   private:

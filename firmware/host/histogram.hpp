@@ -10,7 +10,7 @@
 
 namespace antiskid::host {
 
-/// No allocation, constant work per `add`. One writer; readers only while nobody writes. About 18 KiB.
+/// No allocation, constant work per `add`. Not thread-safe: read only while no thread writes. About 18 KiB.
 class Histogram {
   public:
     /// Counts one duration. Negative ones count as 0, those above `kLargest` into the last bucket; minimum,

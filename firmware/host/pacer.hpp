@@ -1,5 +1,4 @@
-/// What makes the loop go round: the sensors' frame, the machine's timer, or SYNC. Waits for the next period and
-/// takes in the frames that belong to it.
+/// Starts each step of the loop: by a sensor frame, the machine's timer, or SYNC. Waits for the next period and takes in its frames.
 #pragma once
 
 #include <atomic>
@@ -16,17 +15,17 @@ namespace antiskid::host {
 struct Wake {
     Time now{};                 ///< for the controller
     Time woke{};                ///< on the machine's clock; in lockstep the reception of SYNC
-    Time latency{};             ///< from what should have woken the loop to `woke`
+    Time latency{};             ///< from the event that should have woken the loop to `woke`
     std::uint64_t skipped = 0;  ///< periods missed since the last wake-up
-    bool synchronised = true;   ///< false: lockstep, and SYNC failed to come
-    bool by_timer = false;      ///< the sensors' frame to go by failed to come
+    bool synchronised = true;   ///< false: lockstep, and SYNC did not arrive
+    bool by_timer = false;      ///< the sensor frame did not arrive, the step was started by the timer
     FrameIntake::Taken taken{};
 };
 
 class Pacer {
   public:
     virtual ~Pacer() = default;
-    /// Nothing once `stop` is set; seen within a period (timer) or kLongestWait (SYNC).
+    /// Waits for the next step; none once `stop` is set, which is noticed within a period (timer) or kLongestWait (SYNC).
     [[nodiscard]] virtual std::optional<Wake> next(const std::atomic<bool>& stop) = 0;
 };
 
@@ -44,16 +43,15 @@ class TimerPacer final : public Pacer {
     std::optional<PeriodicTimer> timer_;
 };
 
-/// A rig's clock: one step for each frame of the sensors' last message in a period, as soon as it is there. So the
-/// controller keeps the rig's time, and a measurement never waits for a timer. Its time is CLOCK_MONOTONIC.
+/// Follows the rig's clock: one step for each frame of the sensors' last message in a period, as soon as it arrives, so that a measurement never
+/// waits for a timer. The controller's time is CLOCK_MONOTONIC.
 ///
-/// A frame that does not come within one and a half periods of the last one is stepped without, and so is every period
-/// after it until one comes. Steps are half a period apart at least, whatever the bus does: of several frames that
-/// come at once the newest counts.
+/// If no frame arrives within one and a half periods of the last one, the step is taken without it, and then one step per period until a frame
+/// arrives. Steps are at least half a period apart; of several frames that arrive together the newest counts.
 class SensorPacer final : public Pacer {
   public:
-    /// The message to go by: of wheel, flywheel and pressure that which comes once in `period` and has the highest
-    /// identifier, since the bus lets it through last. None: they all have other periods.
+    /// The message that starts a step: of wheel, flywheel and pressure, the one with cycle time `period` and the highest identifier, which the bus
+    /// transmits last. None: no such message has this cycle time.
     [[nodiscard]] static std::optional<can::Role> message(const can::Layout& layout, Time period);
 
     SensorPacer(Clock& clock, Time period, can::Role message, can::Bus& bus, const can::ControllerPort& port, FrameIntake& intake);
@@ -71,19 +69,18 @@ class SensorPacer final : public Pacer {
     can::Bus& bus_;
     const can::ControllerPort& port_;
     FrameIntake& intake_;
-    Time last_{};            ///< reception of the frame or, without one, the deadline that made the last step
-    bool by_frame_ = false;  ///< which of them
+    Time last_{};            ///< reception of the frame, or without one the deadline, that started the last step
+    bool by_frame_ = false;  ///< whether it was a frame
     Time woke_{};
     bool started_ = false;
 };
 
-/// Lockstep: one step for each SYNC, and the controller's time is the number of steps before it times the
-/// period, so that a run does not depend on the machine's speed.
+/// Lockstep: one step for each SYNC. The controller's time is the number of earlier steps times the period, so that a run does not depend on the
+/// machine's speed.
 ///
-/// Nothing happens before the first SYNC. When the next one fails to come within `timeout` (and up to kLongestWait), steps go on once a
-/// period on the machine's clock until it does: the ages of the inputs grow, and the controller names what is
-/// missing. While SYNC comes the clock is not asked before the step: a reading costs as much as one in a virtual
-/// machine. A SYNC whose number does not follow the last one's counts as a missed period.
+/// No step is taken before the first SYNC. If the next SYNC does not arrive within `timeout` (plus up to kLongestWait), steps continue once a period
+/// on the machine's clock until it does: the inputs age, and the controller reports which are missing. While SYNC arrives, the clock is not read
+/// before a step: in a virtual machine that costs as much as a step. A SYNC number that does not follow the last one counts as a missed period.
 class SyncPacer final : public Pacer {
   public:
     static constexpr Time kLongestWait = can::Bus::kLongestWait;
@@ -94,7 +91,7 @@ class SyncPacer final : public Pacer {
   private:
     [[nodiscard]] Wake on_sync(const FrameIntake::Taken& taken);
     [[nodiscard]] bool follows_last();
-    /// A rig that is not sure to be heard repeats its first SYNC: one number, one step.
+    /// A rig repeats its first SYNC until it is answered; the repeats must not start further steps.
     [[nodiscard]] bool repeats_last() const;
 
     Clock& clock_;
@@ -104,7 +101,7 @@ class SyncPacer final : public Pacer {
     std::uint64_t sync_modulo_;
     FrameIntake& intake_;
     Time next_now_{};
-    std::optional<Time> last_;  ///< first reading of the clock since the last step
+    std::optional<Time> last_;  ///< first clock reading since the last step
     std::uint32_t last_number_ = 0;
     bool started_ = false;
     bool synchronised_ = false;

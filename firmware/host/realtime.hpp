@@ -1,5 +1,5 @@
-/// What the operating system must grant for a steady period. Each right that is missing comes back as a
-/// sentence that names it and what mends it; the program goes on without.
+/// Requests from the operating system what a steady period needs. Each refusal is returned as a sentence that names the missing right and its remedy;
+/// the program continues without it.
 #pragma once
 
 #include <optional>
@@ -13,12 +13,10 @@ struct RealtimeRequest {
     std::optional<int> cpu;  ///< pin the loop to this processor
 };
 
-/// For the whole process, before the loop's thread starts: no page of it is ever swapped out or first touched
-/// in the loop.
+/// For the whole process, before the loop's thread starts: locks all pages, so that the loop has no page faults.
 [[nodiscard]] std::optional<std::string> lock_memory();
 
-/// For the calling thread: touches its stack, pins it, raises its priority. Returns one sentence for each
-/// thing refused.
+/// For the calling thread: touches its stack, pins it, raises its priority. Returns one sentence per refusal.
 [[nodiscard]] std::vector<std::string> enter_realtime(const RealtimeRequest& request);
 
 }  // namespace antiskid::host

@@ -1,4 +1,4 @@
-/// Time as a number, for figures and files; the loop's own arithmetic is in single precision (control/arithmetic.hpp).
+/// Time in seconds, double precision, for figures and files; the controller uses single precision (control/arithmetic.hpp).
 #pragma once
 
 #include "firmware/control/types.hpp"

@@ -1,5 +1,4 @@
-/// Lock-free ring between exactly one writing and one reading thread. The writer never waits: what does not
-/// fit is counted.
+/// Lock-free ring between exactly one writing and one reading thread. The writer never waits: items that do not fit are dropped and counted.
 #pragma once
 
 #include <array>
@@ -11,7 +10,7 @@
 
 namespace antiskid::host {
 
-/// `Capacity` items, a power of two. Large: make it a member of something on the heap or static, not a local.
+/// `Capacity` items, a power of two. Large: do not put it on the stack.
 template <typename T, std::size_t Capacity>
 class SpscRing {
     static_assert(std::has_single_bit(Capacity), "a power of two");

@@ -1,4 +1,4 @@
-/// SIGINT, SIGTERM and SIGHUP as a flag and a count that the loop reads, rather than something that interrupts it.
+/// Turns SIGINT, SIGTERM and SIGHUP into a flag and a count that the loop polls.
 #pragma once
 
 #include <atomic>
@@ -9,20 +9,19 @@ namespace antiskid::host {
 
 class StopSignals {
   public:
-    /// Blocks the three signals in the calling thread and all that it starts later: construct before any
-    /// other thread. A thread of its own waits for them, so that they are obeyed also while everybody else is
-    /// held up, e.g. by a log that nobody reads. SIGPIPE is ignored: a log reader that went away must not end
-    /// the program with the valve open.
+    /// Blocks the three signals in the calling thread and in those it starts later: construct before any other thread. A separate thread waits for
+    /// them, so that they act even while other threads are blocked, e.g. by a full log pipe. SIGPIPE is ignored: a closed log pipe must not end the
+    /// program with the valve open.
     StopSignals();
     ~StopSignals();
     StopSignals(const StopSignals&) = delete;
     StopSignals& operator=(const StopSignals&) = delete;
 
-    /// Set by the first signal; others may set it, too.
+    /// Set by the first signal; any thread may set it.
     [[nodiscard]] std::atomic<bool>& stop() { return stop_; }
-    /// How many have come: the first may ask for a safe end, the second for an end at once.
+    /// Number of signals so far. By convention the first asks for a safe end, the second for an immediate one.
     [[nodiscard]] int count() const { return count_.load(); }
-    /// As if `number` came as the first; false, and nothing happens, where one has come: a second may mean an end at once.
+    /// Acts as if signal `number` came first. False, without effect, if a signal has come: a second one would mean an immediate end.
     bool ask_first(int number) {
         int none = 0;
         if (!count_.compare_exchange_strong(none, 1)) return false;
@@ -30,7 +29,7 @@ class StopSignals {
         stop_.store(true);
         return true;
     }
-    /// The first that came; 0: none has.
+    /// The first signal that came; 0: none.
     [[nodiscard]] int number() const { return number_.load(); }
 
   private:

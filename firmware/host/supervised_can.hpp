@@ -1,8 +1,7 @@
-/// A SocketCAN interface that may vanish and come back while the loop runs.
+/// A SocketCAN interface that may disappear and return while the loop runs.
 ///
-/// A socket on an interface that was removed stays dead. So the loop's thread uses whatever socket it was
-/// handed last, and another thread, which may allocate, opens a new one once the interface is back and leaves
-/// it at the door. Nobody ever waits for the other.
+/// A socket on a removed interface never works again. Another thread, which may allocate, therefore opens a new socket once the interface is back,
+/// and the loop's thread takes it at its next receive(). Neither thread waits for the other.
 #pragma once
 
 #include <atomic>
@@ -17,7 +16,7 @@ namespace antiskid::host {
 
 class SupervisedCan final : public can::Bus {
   public:
-    /// Opens a fresh bus or throws std::runtime_error saying why not.
+    /// Opens a new bus or throws std::runtime_error with the reason.
     using Open = std::function<std::unique_ptr<can::Bus>()>;
 
     /// Opens the first one; throws what `open` throws.
@@ -32,15 +31,15 @@ class SupervisedCan final : public can::Bus {
     bool send(const can::Frame& frame) override;
     std::size_t send_all(std::span<const can::Frame> frames) override;
     bool wait(can::Time timeout) override;
-    /// Counts go on across sockets.
+    /// Counts are summed over all sockets.
     [[nodiscard]] can::LinkStatus status() const override;
 
     // The other thread.
 
-    /// Whether service() is wanted: the link is down, but not bus-off, which the kernel ends by itself.
+    /// Whether service() must be called: the link is down, but not bus-off, from which the kernel recovers by itself.
     [[nodiscard]] bool lost() const { return lost_.load(std::memory_order_relaxed); }
-    /// Tries to open a new socket, unless the last one still waits to be taken; returns why that failed, or
-    /// "". Also frees sockets that the loop has given up.
+    /// Tries to open a new socket, unless the loop has not taken the last one yet; returns the reason of a failure, else "". Also frees sockets that
+    /// the loop has replaced.
     std::string service();
 
   private:
