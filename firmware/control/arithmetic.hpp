@@ -1,11 +1,11 @@
-/// The little arithmetic that the controller needs beyond + - * /, without libm.
+/// Arithmetic that the controller needs beyond + - * /, without libm.
 #pragma once
 
 #include "firmware/control/types.hpp"
 
 namespace antiskid::control {
 
-/// Up to 2 s by way of 32 bits, the same value: a Cortex-M7 has an instruction for those, and none for 64.
+/// Times up to 2 s are converted from 32 bits, with the same result: a Cortex-M7 has an instruction for that, but none for 64 bits.
 [[nodiscard]] constexpr float seconds(Time time) {
     const auto low = static_cast<std::int32_t>(time.count());
     return (low == time.count() ? static_cast<float>(low) : static_cast<float>(time.count())) * 1e-9F;

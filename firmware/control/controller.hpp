@@ -1,12 +1,11 @@
-/// The anti-skid controller: one class, one call. Pure: time and measurements are handed in, the valve
-/// command is returned.
+/// The anti-skid controller. Pure: time and measurements are arguments, the valve command is the result.
 ///
 /// Freestanding C++20, single precision, no heap, exceptions, RTTI, I/O, clock or libm; constant work per
 /// step.
 ///
 /// Use: construct with a configuration, call `step` once per control period with the newest measurements and
-/// the time of the step, send `Command::current_mA` to the valve. The controller never blocks and never
-/// fails: whatever is wrong with its inputs ends in `State::safe` with a named fault and the safe current.
+/// the time of the step, send `Command::current_mA` to the valve. The controller never blocks or fails: a persistent error of its inputs leads to
+/// `State::safe` with a named fault and the safe current.
 ///
 ///     Sensors -> Estimator -> Estimate -> law -> pressure, at most the demand -> inverse valve map ->
 ///     Command
@@ -34,11 +33,10 @@ class Controller {
     /// `config` must have passed the checks of its loader; period 1 to 5 ms.
     explicit Controller(const Config& config);
 
-    /// One control period. `now` must grow by about Config::period_s from call to call; ages of inputs are
-    /// taken against it.
+    /// One control period. `now` must increase by about Config::period_s from call to call; ages of inputs are relative to it.
     [[nodiscard]] Command step(const Sensors& sensors, Time now);
 
-    /// What the controller believes after the last step, for recording.
+    /// The estimate after the last step, for recording.
     [[nodiscard]] const Estimate& estimate() const { return estimator_.estimate(); }
 
   private:
@@ -48,7 +46,7 @@ class Controller {
     void start_law(Law law, const Estimate& estimate, State before);
 
     ValveConfig valve_;
-    float pass_through_step_Pa_;  // the most by which a demand that passes through may rise in a period
+    float pass_through_step_Pa_;  // largest rise per period of a demand that passes through
     Estimator estimator_;
     Monitor monitor_;
     Supervisor supervisor_;
@@ -61,7 +59,7 @@ class Controller {
     float passed_Pa_ = 0.0F;
     float requested_Pa_ = 0.0F;  // by the last step
     float takeover_Pa_;          // ceiling while one law takes over from another
-    // Static pressures by the map, of the current that is safe, of the last step's, and of what the valve holds: the last that left.
+    // Static pressures by the map: at the safe current, at the last step's current, and at the last current that was sent.
     float safe_Pa_, commanded_Pa_, held_Pa_;
 };
 

@@ -1,5 +1,4 @@
-/// The endurance campaign's law (Section IV.B): pressure that makes the wheel follow a prescribed
-/// deceleration.
+/// The endurance campaign's law (Section IV.B): controls pressure so that the wheel follows a prescribed deceleration.
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -11,11 +10,10 @@ class DecelerationLaw {
   public:
     DecelerationLaw(const DecelerationConfig& config, const SlipConfig& slip, float period_s);
 
-    /// Takes over from the present pressure.
+    /// Starts from the present pressure, without a step.
     void start(const Estimate& estimate);
 
-    /// Pressure to ask of the valve, 0 to `ceiling_Pa`. Above half the slip limit never more than the slip law asks
-    /// for at the limit.
+    /// Pressure to request, 0 to `ceiling_Pa`. Above half the slip limit it is at most what the slip law requests at that limit.
     [[nodiscard]] float pressure_Pa(const Estimate& estimate, float deceleration_mps2, float ceiling_Pa);
 
   private:
@@ -25,7 +23,7 @@ class DecelerationLaw {
     SlipLaw guard_;
     float period_s_;
     float omega_before_radps_ = 0.0F;
-    float behind_radps_ = 0.0F;  // filtered wheel speed less wheel speed
+    float behind_radps_ = 0.0F;  // filtered minus unfiltered wheel speed
     float measured_mps2_ = 0.0F;
     float reference_mps2_ = 0.0F;
     float integral_Pa_ = 0.0F;

@@ -1,5 +1,4 @@
-/// What the controller believes about the wheel, the aircraft and the brake, and where they will be when a
-/// command takes effect.
+/// Estimated state of wheel, aircraft and brake: now, and predicted for when a command takes effect (`late_`).
 #pragma once
 
 #include "firmware/control/valve_model.hpp"
@@ -18,13 +17,13 @@ struct Estimate {
 
     float brake_gain = 0.0F;              ///< k_b / J_w: wheel deceleration per pressure
     float answer_per_s = 0.0F;            ///< the road's answer to slip, wheel_observer.hpp
-    float answer_variance_per_s2 = 0.0F;  ///< as the observer believes
+    float answer_variance_per_s2 = 0.0F;  ///< by the observer
     float road_radps2 = 0.0F;             ///< the road's torque as wheel acceleration: r F_x / J_w
-    bool another_road = false;            ///< since the step before
-    float late_v_mps = 0.0F;              ///< the same after the valve's delay, from commands already given
+    bool another_road = false;            ///< detected in this step
+    float late_v_mps = 0.0F;              ///< predicted for after the valve's delay, from commands already given
     float late_slip = 0.0F;
     PressureState late_pressure;
-    float late_balance_Pa = 0.0F;  ///< pressure at which the wheel would keep its slip: road torque / k_b
+    float late_balance_Pa = 0.0F;  ///< pressure at which the wheel would keep its slip
 };
 
 }  // namespace antiskid::control

@@ -1,5 +1,4 @@
-/// From checked sensor values to an Estimate: speeds by the M/T method, rolling radius, road torque, valve
-/// state, prediction over the delay.
+/// Computes an Estimate from checked sensor values: speeds by the M/T method, rolling radius, road torque, valve state, prediction over the delay.
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -14,7 +13,7 @@ class Estimator {
   public:
     explicit Estimator(const Config& config);
 
-    /// One period; `held_Pa` is the static pressure, by the map, of the current that the valve has held since the step before.
+    /// One period; `held_Pa` is the static pressure, by the map, for the current that the valve has held since the last step.
     const Estimate& update(const Sensors& sensors, float held_Pa);
 
     [[nodiscard]] const Estimate& estimate() const { return estimate_; }
@@ -22,7 +21,7 @@ class Estimator {
     [[nodiscard]] const SpeedReading& flywheel_reading() const { return flywheel_reading_; }
     [[nodiscard]] float uncorrected_pressure_Pa() const { return valve_model_.uncorrected_Pa(); }
     [[nodiscard]] float valve_offset_Pa() const { return valve_model_.offset_Pa(); }
-    /// What to ask of the map for a pressure on the valve as it is.
+    /// Pressure to look up in the map so that the valve, with its learnt offset, gives `pressure_Pa`.
     [[nodiscard]] float compensated_Pa(float pressure_Pa) const { return valve_model_.compensated_Pa(pressure_Pa); }
 
   private:
@@ -31,7 +30,7 @@ class Estimator {
 
     WheelConfig wheel_;
     float max_reading_Pa_;
-    float free_Pa_;  // less than a demand: the wheel rolls freely
+    float free_Pa_;  // below it the wheel counts as rolling freely
     float calibrates_above_mps_;
     float flywheel_radius_m_;
     float period_s_;

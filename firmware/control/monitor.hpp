@@ -1,15 +1,15 @@
-/// Checks every input in every period and names what is wrong. Permission to brake is the absence of faults.
+/// Checks every input in every period and names the faults. Braking is permitted only without faults.
 ///
-/// Each signal has two tests. One takes its readings, and counts those that cannot be: out of the sensor's range, or outside of what the
-/// machine can have got to since the readings before. The other takes periods, and counts those in which what the observer makes of the
-/// readings cannot stay so. Either may be broken off: sound ones pay back half.
+/// Each signal has two tests. One counts impossible readings: out of the sensor's range, or not reachable from the previous readings. The other
+/// counts periods in which the estimate from the readings is implausible. The conditions may be interrupted: each good reading or period takes back
+/// half of a bad one.
 ///
-/// - *_lost: no accepted frame for the input's maximum age; or, a reading that is more than half of it late
-/// - *_corrupt: the same as the first, while frames came and were refused; or more frames were refused, beyond those that were accepted, than
-///   the maximum age has periods; of the maneuver command, whose frames are rarer, than it has halves of a sensor's maximum age
-/// - *_range: a reading outside what the sensor can mean (or not a number)
-/// - *_rate: a reading that differs from the one before by more than the machine can change meanwhile; or an armed aircraft on its wheels that
-///   gained more, by `overspeed_share`, than it can lose by braking
+/// - *_lost: no accepted frame for the input's maximum age, or a reading later than half of it
+/// - *_corrupt: as *_lost, but frames arrived and were refused; or the refused frames exceed the accepted ones by more than the maximum age has
+///   periods (maneuver command, with rarer frames: than it has halves of a sensor's maximum age)
+/// - *_range: a reading outside the sensor's range, or not a number
+/// - *_rate: a reading that differs from the previous one by more than is physically possible; or an armed aircraft on its wheels that gained more,
+///   by `overspeed_share`, than it can lose by braking
 /// - wheel_stuck, speeds_disagree: a rolling wheel that lost more speed, by `overspeed_share`, than twice the brake's torque, k_b P / J_w, takes;
 ///   stuck where no edge says so
 /// - flywheel_stuck: an aircraft that lost more, by `overspeed_share`, than it can by braking
@@ -26,10 +26,10 @@
 ///   where the model has none, armed or with load on the wheel; or the learnt offset of the valve is more than the law may make up for
 ///
 /// And:
-/// - speeds_disagree: slip that stays above what the slip law asks for adds up
+/// - speeds_disagree: slip above the slip law's reference, integrated over time
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
-/// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one
+/// - overrun: more than `overruns` missed periods in quick succession; ten good periods offset a missed one
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -41,7 +41,7 @@ namespace antiskid::control {
 
 class Monitor {
   public:
-    /// What the controller did in the period before.
+    /// The controller's state in the previous period.
     struct Before {
         bool rolling;  ///< on the wheels and spun up since touchdown
         bool braking;  ///< a law acted
@@ -62,7 +62,7 @@ class Monitor {
         Time received = kNever;
         std::uint32_t rejected = 0;
         std::uint32_t rejected_before = 0;
-        float reject_score = 0.0F;  // frames, less those that were accepted
+        float reject_score = 0.0F;  // refused minus accepted frames, not below 0
         enum class MessageState : std::uint8_t { good, lost, corrupt };
         MessageState judge(Time newest, std::uint32_t rejected_now, Time now);
     };
@@ -75,7 +75,7 @@ class Monitor {
         float last_radps = 0.0F;
         bool known = false;
     };
-    /// Its names.
+    /// Names of the faults of one speed.
     struct SpeedNames {
         Fault lost, range, rate;
     };
@@ -87,7 +87,7 @@ class Monitor {
     void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const Before& before);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
     void check_overrun(FaultSet& faults, std::uint32_t missed_periods);
-    /// What is wrong with a fresh reading by itself, and against the one before.
+    /// Faults of a fresh reading by itself and compared with the previous one.
     [[nodiscard]] FaultSet wrong_by_itself(Speed& speed, const SpeedReading& reading, const EncoderConfig& encoder, const SpeedNames& names) const;
 
     MonitorConfig config_;

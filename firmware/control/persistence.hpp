@@ -7,14 +7,14 @@
 
 namespace antiskid::control {
 
-/// The nearest whole number of periods of `period_s` in `time_s`, which is not negative.
+/// `time_s` >= 0 in periods of `period_s`, rounded to the nearest whole number.
 constexpr std::uint32_t whole_periods(float time_s, float period_s) {
     const float periods = time_s / period_s;
     const auto whole = static_cast<std::uint32_t>(periods);
     return periods - static_cast<float>(whole) < 0.5F ? whole : whole + 1U;
 }
 
-/// True once a condition has held for a time without a break.
+/// True once a condition has held for a time without interruption.
 class Persistence {
   public:
     Persistence(float limit_s, float period_s) : limit_(whole_periods(limit_s, period_s)) {}
@@ -34,12 +34,12 @@ class Persistence {
     std::uint32_t held_ = 0;
 };
 
-/// One test of a signal. What cannot be runs it up, what can be pays back half: it may come and go.
+/// Counts bad readings of a signal against good ones; a good one takes back half of a bad one, so that an intermittent fault is found.
 class Test {
   public:
     Test(float limit_s, float period_s) : limit_(2U * whole_periods(limit_s, period_s)) {}
 
-    /// One reading, counted as a period, or one period: what is wrong with it, or nothing.
+    /// Takes the faults of one reading (counted as a period) or of one period; empty if it is good.
     void take(FaultSet wrong) {
         found_ = FaultSet{};
         if (wrong.empty()) {
@@ -49,7 +49,7 @@ class Test {
         if (held_ < limit_) held_ += 2U;
         if (held_ >= limit_) found_ = wrong;
     }
-    /// What the newest is, once wrong ones have added up to the limit.
+    /// Faults of the newest reading, once bad ones have added up to the limit.
     [[nodiscard]] FaultSet found() const { return found_; }
 
   private:

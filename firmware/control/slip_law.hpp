@@ -1,6 +1,6 @@
-/// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure that balances the road. Its gain
-/// grows with the road's answer to slip, and its reference retreats towards the peak of friction when the wheel runs away faster than the
-/// valve can follow, and where the slip stays above it.
+/// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure that balances the road. Its gain grows with
+/// the road's answer to slip. It lowers its reference towards the peak of friction when the wheel runs away faster than the valve can follow, or the
+/// slip stays above the reference.
 #pragma once
 
 #include "firmware/control/arithmetic.hpp"
@@ -9,7 +9,7 @@
 
 namespace antiskid::control {
 
-/// `slip_reference`, below SlipConfig::low_speed_mps less.
+/// `slip_reference`, reduced below SlipConfig::low_speed_mps.
 [[nodiscard]] constexpr float falling_reference(const SlipConfig& config, float slip_reference, float speed_mps) {
     if (speed_mps >= config.low_speed_mps) return slip_reference;
     const float low = smaller(slip_reference, config.low_speed_slip);
@@ -17,29 +17,29 @@ namespace antiskid::control {
     return low + share * (slip_reference - low);
 }
 
-/// No larger reference is accepted.
+/// Largest reference that is accepted.
 inline constexpr float kMaxSlipReference = 0.5F;
 
-/// A sound loop holds the slip within this of its reference.
+/// Deviation from the reference within which a healthy loop holds the slip.
 inline constexpr float kHeldWithin = 0.05F;
 
 class SlipLaw {
   public:
     SlipLaw(const SlipConfig& config, float period_s);
 
-    /// Starts from rest at the present slip. What it has learnt of the reference stays.
+    /// Starts from rest at the present slip. Keeps the learnt share of the reference.
     void start(const Estimate& estimate);
-    /// On another landing the whole reference may be in force again.
+    /// For another landing: the whole reference applies again.
     void forget_runway() { share_ = 1.0F; }
 
-    /// Pressure to ask of the valve, 0 to `ceiling_Pa`. The reference retreats.
+    /// Pressure to request, 0 to `ceiling_Pa`. Lowers the reference as described above.
     [[nodiscard]] float pressure_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
-    /// The same for a reference that somebody else has found: it retreats from slip above it alone, whatever the road answers.
+    /// The same for a reference found elsewhere, e.g. by PeakSeeker: lowered only for slip above it, not for the road's answer.
     [[nodiscard]] float follow_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
 
     /// The reference in force.
     [[nodiscard]] float reference() const { return reference_; }
-    /// What it was before it retreated, if it did: slip above this is not what the law does.
+    /// The reference before it was lowered: the law itself does not cause slip above this.
     [[nodiscard]] float asked() const { return asked_; }
 
   private:
@@ -53,7 +53,7 @@ class SlipLaw {
     float reference_ = 0.0F;
     float asked_ = 0.0F;
     float integral_ = 0.0F;      // of the slip error times k_i, 1/s
-    float share_ = 1.0F;         // of the reference that may be in force
+    float share_ = 1.0F;         // of the reference, in force
     float answer_per_s_ = 0.0F;  // filtered
     float off_slip_ = 0.0F;      // distance from the reference, filtered
 };

@@ -1,4 +1,4 @@
-/// Speed of a toothed wheel by the M/T method: whole edges counted, divided by the exact time that they took.
+/// Speed of a toothed wheel by the M/T method: number of whole edges divided by their exact time.
 #pragma once
 
 #include <cstdint>
@@ -7,17 +7,17 @@
 
 namespace antiskid::control {
 
-/// What one period's frame says about speed.
+/// Speed reading from the frame of one period.
 struct SpeedReading {
-    float speed_radps = 0.0F;  ///< mean speed over the interval, or an upper bound where no edge came
+    float speed_radps = 0.0F;  ///< mean speed over the interval, or an upper bound if no edge came
     float interval_s = 0.0F;   ///< time the edges took; the reading belongs to its middle
     bool fresh = false;        ///< edges came (or a speed frame): a measurement
     bool bounded = false;      ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
-    float late_s = 0.0F;       ///< so much later did its frame come after its newest edge than the quickest ones
+    float late_s = 0.0F;       ///< delay of the frame after its newest edge, beyond the smallest delay so far
     bool valid = false;        ///< false until two edges, or no edge for 100 ms, have been seen
 };
 
-/// One that cannot be, or is no number, must not reach a filter, where it would stay. The monitor names it.
+/// False for an impossible reading or NaN, which must not enter a filter; the monitor reports it.
 [[nodiscard]] constexpr bool is_possible(const SpeedReading& reading, float max_speed_radps) {
     return reading.speed_radps >= 0.0F && reading.speed_radps <= max_speed_radps;
 }
@@ -26,8 +26,7 @@ class SpeedEstimator {
   public:
     explicit SpeedEstimator(float teeth);
 
-    /// One period. A shaft whose frames show no edge for 100 ms counts as standing: a valid zero. Frames that do
-    /// not come say nothing.
+    /// One period. A shaft whose frames show no edge for 100 ms counts as standing: a valid zero. A missing frame gives no reading.
     SpeedReading update(const SpeedInput& input);
 
   private:
@@ -35,13 +34,13 @@ class SpeedEstimator {
 
     float radians_per_edge_;
     bool clock_known_ = false;
-    Time quickest_{};  // frame after its newest edge, by two clocks
+    Time quickest_{};  // smallest delay of a frame after its newest edge, the one on our clock, the other on the sensor's
     bool started_ = false;
     bool running_ = false;   // an edge seen since the last standstill
     bool measured_ = false;  // speed_radps_ is known: two edges, or a standstill
     std::uint32_t edge_count_ = 0;
     Time edge_time_{};
-    Time newest_edge_seen_{};  // arrival of the frame that showed it
+    Time newest_edge_seen_{};  // arrival of the frame with the newest edge
     Time last_received_ = kNever;
     float speed_radps_ = 0.0F;
 };

@@ -1,5 +1,4 @@
-/// Speed and acceleration from speed readings that come late and irregularly: a critically damped
-/// second-order tracker.
+/// Estimates speed and acceleration from late and irregular speed readings: a critically damped second-order tracker.
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -9,11 +8,11 @@ namespace antiskid::control {
 
 class SpeedTracker {
   public:
-    /// The encoder's largest acceleration, either way: readings that are off the prediction by more than twice what it explains are not believed for
-    /// its patience, and no reading, however wrong, may leave a state from which the next ones do not lead back.
+    /// Acceleration is limited to the encoder's. Readings off the prediction by more than twice what that allows are ignored for
+    /// EncoderConfig::patience_s, so that no wrong reading leads to a state from which the following ones cannot recover.
     SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder);
 
-    /// One period of `period_s` has passed. Acceleration is taken to change slowly.
+    /// One period of `period_s` has passed. Assumes that acceleration changes slowly.
     void update(const SpeedReading& reading, float period_s);
     void reset(float speed, float acceleration);
 
@@ -27,7 +26,7 @@ class SpeedTracker {
     float patience_s_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;
-    float unheard_s_ = 0.0F;  // since a reading was believed
+    float unheard_s_ = 0.0F;  // since the last accepted reading
     bool started_ = false;
 };
 

@@ -1,4 +1,4 @@
-/// The state machine around the laws: who may brake now, and what faults are latched.
+/// The state machine around the laws: whether braking is permitted now, and which faults are latched.
 ///
 ///     self_test -> standby -> armed <-> touchdown_protection
 ///                    ^          ^               |
@@ -7,17 +7,17 @@
 ///                    |
 ///                  safe <-- any state, on any fault
 ///
-/// - standby -> armed: an edge of the maneuver command's `arm`; every state of the right side falls back to standby without it
-/// - armed: no demand, or no weight on the wheels; a bounce ends here and is protected anew at the next touchdown
-/// - touchdown_protection: on the wheels, not spun up to `spin_up_mps` nor to `unlock_share` of the aircraft's speed yet, for
-///   `touchdown_timeout_s` at the most
+/// - standby -> armed: a rising edge of the maneuver command's `arm`; without `arm` every armed state returns to standby
+/// - armed: no demand, or no weight on the wheels; a bounce leads back here, with protection at the next touchdown
+/// - touchdown_protection: on the wheels, not yet spun up to `spin_up_mps` or to `unlock_share` of the aircraft's speed; at most
+///   `touchdown_timeout_s`
 /// - braking: the law acts. locked_wheel: rim below `lock_share` of the aircraft's speed until above `unlock_share`; no pressure;
-///   not with the open-loop law, nor below `drop_out_mps`. A fault once the released wheel should have come back: after `release_s` and the
-///   time that `min_spin_up_mps2` takes to `unlock_share`
+///   not with the open-loop law, nor below `drop_out_mps`. A fault if the released wheel has not spun up after `release_s` plus the time to
+///   `unlock_share` at `min_spin_up_mps2`
 /// - drop_out: below `drop_out_mps`, until `drop_out_hysteresis_mps` above it; the demand passes through. Only with the laws that
 ///   need slip
-/// - safe: left for standby when the maneuver command disarms and no cause is left, and no emergency stop has come for 0.1 s, so that one that
-///   is repeated is one; arming again clears the latched names
+/// - safe: left for standby when the maneuver command disarms, no fault is present and no emergency stop has come for 0.1 s (so that repeated stops
+///   count as one); the next arming clears the latched faults
 ///
 /// The valve gets the safe current in every state but braking and drop_out.
 #pragma once
@@ -38,7 +38,7 @@ class Supervisor {
 
     [[nodiscard]] State state() const { return state_; }
     [[nodiscard]] FaultSet latched() const { return latched_; }
-    /// On the wheels, and spun up since touchdown or due to be: a free wheel should roll without slip.
+    /// On the wheels, with touchdown protection over: an unbraked wheel should roll without slip.
     [[nodiscard]] bool rolling() const { return !protected_; }
 
   private:

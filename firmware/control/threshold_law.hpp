@@ -1,5 +1,5 @@
 /// The classic switching law (Section I): INCREASE, HOLD and DECREASE of pressure, switched by thresholds on
-/// slip and wheel deceleration. The baseline that the slip law is compared with.
+/// slip and wheel deceleration. A baseline for the slip law.
 #pragma once
 
 #include "firmware/control/config.hpp"

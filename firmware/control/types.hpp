@@ -1,5 +1,4 @@
-/// What goes into the controller and what comes out of it: plain SI values with their age. No bus, no clock,
-/// no operating system.
+/// Inputs and outputs of the controller: SI values with their time of reception. Independent of bus, clock and operating system.
 ///
 /// Units are SI base units unless a name says otherwise (`_Pa`, `_mA`, `_radps`, `_mps`, `_mps2`).
 /// Slip is dimensionless, eq. (3): 0 free rolling, 1 locked.
@@ -11,7 +10,7 @@
 
 namespace antiskid::control {
 
-/// Monotonic time of the controller's own clock; its zero is arbitrary. Handed in, never read.
+/// Monotonic time of the controller's own clock; its zero is arbitrary. Always passed in: the controller reads no clock.
 using Time = std::chrono::duration<std::int64_t, std::nano>;
 
 /// `received` of an input that has never arrived.
@@ -39,14 +38,14 @@ struct PressureInput {
     float pressure_Pa = 0.0F;
 };
 
-/// How the valve current is found while braking.
+/// How the valve current is determined while braking.
 enum class Law : std::uint8_t {
     wheel_slip = 0,     ///< PID on slip, Section V
     deceleration = 1,   ///< prescribed wheel deceleration, the endurance campaign's law, Section IV.B
     open_loop = 2,      ///< the commanded current, limited by the demand
     threshold = 3,      ///< HOLD, DECREASE, INCREASE on wheel deceleration and slip, Section I: a baseline
-    pressure_bias = 4,  ///< velocity error, its integral as a bias, lead: the other baseline, of fielded systems
-    peak_slip = 5,      ///< PID on slip at the slip of most friction, which it finds by itself
+    pressure_bias = 4,  ///< velocity error, its integral as a bias, lead: a baseline, as in fielded systems
+    peak_slip = 5,      ///< PID on slip, at the slip of maximum friction, which it finds itself
 };
 inline constexpr std::uint8_t kLawCount = 6;
 
@@ -54,31 +53,30 @@ inline constexpr std::uint8_t kLawCount = 6;
     return law == Law::wheel_slip || law == Law::peak_slip;
 }
 
-/// What the pilot or the rig's sequencer asks for.
+/// Commands of the pilot or of the rig's sequencer.
 struct ManeuverInput {
     Time received = kNever;
     std::uint32_t rejected = 0;
     Law law = Law::wheel_slip;
-    bool arm = false;                ///< false to true earns permission (and re-arms after a latched fault); false ends it
+    bool arm = false;                ///< false to true permits braking (and clears latched faults); false withdraws the permission
     bool weight_on_wheels = false;   ///< squat switch, or the sledge holding the wheel on the flywheel
-    float demand_Pa = 0.0F;          ///< the pilot's demand: the ceiling of brake pressure, always
+    float demand_Pa = 0.0F;          ///< the pilot's demand: upper limit of brake pressure under every law
     float slip_reference = 0.0F;     ///< lambda bar of `wheel_slip`, 0 to 0.5
     float deceleration_mps2 = 0.0F;  ///< wheel deceleration reference, as rim deceleration
     float current_mA = 0.0F;         ///< open loop valve current
 };
 
-/// Everything the controller may know at a step. A member keeps its last accepted value until a newer one
-/// comes.
+/// All inputs of the controller at a step. Each member keeps its last accepted value until a newer one arrives.
 struct Sensors {
     SpeedInput wheel;
-    SpeedInput flywheel;  ///< the reference speed: rim speed of the flywheel is the speed of the aircraft
+    SpeedInput flywheel;  ///< its rim speed is the aircraft's speed
     PressureInput pressure;
     ManeuverInput maneuver;
     Time rig_heartbeat_received = kNever;
     bool emergency_stop = false;       ///< an emergency stop frame was accepted since the last step
     bool bus_off = false;              ///< the interface is bus-off or down
     std::uint32_t missed_periods = 0;  ///< periods without a step since the last step
-    bool command_unsent = false;       ///< the last step's command did not leave: the valve holds the one before
+    bool command_unsent = false;       ///< the last step's command was not sent: the valve holds the previous one
 };
 
 enum class State : std::uint8_t {
@@ -89,7 +87,7 @@ enum class State : std::uint8_t {
     braking = 4,
     locked_wheel = 5,
     drop_out = 6,
-    safe = 7,  ///< valve at the safe current; left only by disarming and arming again, with every cause gone
+    safe = 7,  ///< valve at the safe current; left only by disarming, with every cause gone
 };
 inline constexpr std::uint8_t kStateCount = 8;
 
@@ -146,23 +144,23 @@ class FaultSet {
     std::uint32_t bits_ = 0;
 };
 
-/// What the search for the slip of most friction has found; all zero under any other law and while not braking.
+/// Result of the search for the slip of maximum friction; all zero under any other law and while not braking.
 struct RoadEstimate {
-    float peak_slip = 0.0F;   ///< slip of most friction, without the swing of the reference
-    float grip_N = 0.0F;      ///< friction force F_x there, as true as WheelConfig::brake_gain_m3
-    float confidence = 0.0F;  ///< 0 nothing is known to 1: the slip is at the peak, and the slope there is known
+    float peak_slip = 0.0F;   ///< slip of maximum friction, without the test signal on the reference
+    float grip_N = 0.0F;      ///< friction force F_x there, only as accurate as WheelConfig::brake_gain_m3
+    float confidence = 0.0F;  ///< 0: nothing known; 1: slip at the peak, with known slope
 };
 
-/// What one step decides.
+/// Result of one step.
 struct Command {
     float current_mA = 0.0F;  ///< valve current to apply until the next command
     State state = State::self_test;
     FaultSet faults;              ///< latched faults
-    float slip = 0.0F;            ///< measured slip, eq. (3); 0 where it cannot be known
+    float slip = 0.0F;            ///< measured slip, eq. (3); 0 if unknown
     float slip_reference = 0.0F;  ///< the reference in force after scheduling and rate limit
     float speed_mps = 0.0F;       ///< measured aircraft (flywheel rim) speed
     float wheel_speed_radps = 0.0F;
-    float pressure_request_Pa = 0.0F;  ///< what the law asks of the valve, never above the demand
+    float pressure_request_Pa = 0.0F;  ///< pressure requested by the law, never above the demand
     RoadEstimate road;
 };
 

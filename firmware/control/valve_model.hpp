@@ -1,5 +1,4 @@
-/// The controller's picture of the valve: its static map both ways, the pressure now and the pressure that is
-/// already on its way.
+/// The controller's model of the valve: static map and its inverse, present pressure, and the pressure predicted from commands already given.
 #pragma once
 
 #include <array>
@@ -9,8 +8,7 @@
 
 namespace antiskid::control {
 
-/// Inverse of the static map, linear between points: the current for a pressure. No pressure asks for no
-/// current: the dead zone is jumped.
+/// Inverse of the static map, linear between points: the current for a pressure. Zero pressure gives zero current; the dead zone is skipped.
 [[nodiscard]] float valve_current_mA(const ValveConfig& valve, float pressure_Pa);
 /// The static map.
 [[nodiscard]] float valve_pressure_Pa(const ValveConfig& valve, float current_mA);
@@ -20,8 +18,8 @@ struct PressureState {
     float rate_Paps = 0.0F;
 };
 
-/// Observer of eq. (6): second-order lag behind a transport delay, corrected by the measured pressure, and of the offset by which the
-/// valve's static pressure differs from its map.
+/// Observer of eq. (6): second-order lag behind a transport delay, corrected by the measured pressure. Also estimates the offset of the valve's
+/// static pressure from its map.
 class ValveModel {
   public:
     static constexpr std::size_t kMaxDelay = 16;  ///< periods
@@ -29,19 +27,19 @@ class ValveModel {
     ValveModel(const ValveConfig& valve, float period_s, const EstimatorConfig& estimator);
 
     /// One period has passed, in which the valve held `command_Pa` (static pressure of the last current);
-    /// `measured_Pa` is the newest reading, used where `fresh`.
+    /// `measured_Pa` is the newest reading, used if `fresh`.
     void update(float command_Pa, float measured_Pa, bool fresh);
 
     [[nodiscard]] const PressureState& now() const { return state_; }
-    /// The pressure that the commands alone explain, never corrected, without an offset: what a healthy valve would show.
+    /// Pressure of a healthy valve under these commands: neither corrected by measurement nor offset.
     [[nodiscard]] float uncorrected_Pa() const { return uncorrected_.pressure_Pa; }
-    /// Of the valve from its map, as learnt.
+    /// Learnt offset of the valve from its map.
     [[nodiscard]] float offset_Pa() const { return offset_Pa_; }
 
-    /// What to ask of the map so that `pressure_Pa` comes out.
+    /// Pressure to look up in the map so that the valve gives `pressure_Pa`.
     [[nodiscard]] float compensated_Pa(float pressure_Pa) const;
 
-    /// One period on from `from`, which is `periods_ahead` - 1 from now, by commands that are already in the pipe; 1 to delay_periods().
+    /// State `periods_ahead` periods from now, by commands already given, where `from` is the state one period earlier; 1 to delay_periods().
     [[nodiscard]] PressureState after(PressureState from, std::size_t periods_ahead) const {
         propagate(from, input(periods_ahead) + offset_Pa_);
         return from;
@@ -56,11 +54,11 @@ class ValveModel {
         state.pressure_Pa += a12_ * state.rate_Paps + b1_ * ahead;
         state.rate_Paps = a22_ * state.rate_Paps + b2_ * ahead;
     }
-    /// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
+    /// Static pressure at the output of the delay, `periods_ahead` periods from now.
     [[nodiscard]] float input(std::size_t periods_ahead) const { return inputs_[(newest_ + periods_ahead - whole_) % kKept]; }
 
     static constexpr std::size_t kKept = 32;  // a power of two above kMaxDelay + 1
-    std::array<float, kKept> inputs_{};       // a ring; of commands a part of a period apart, where the delay is no whole one
+    std::array<float, kKept> inputs_{};       // a ring; interpolated between commands if the delay is not a whole number of periods
     float newest_command_Pa_ = 0.0F;
     std::size_t newest_ = 0;
     std::size_t whole_ = 0;  // whole periods of delay

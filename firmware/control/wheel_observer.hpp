@@ -1,13 +1,12 @@
-/// Speed of the braked wheel, what the road gives, and how that answers slip: an extended Kalman filter on readings of the encoder and the
-/// brake's torque.
+/// Estimates the braked wheel's speed, the road torque and its answer to slip: an extended Kalman filter on encoder readings and brake torque.
 ///
-/// State, all of the wheel: omega (rad/s); tau = r F_x / J_w (rad/s2); the road's answer a (1/s). With u = k_b P / J_w, and with what keeps
-/// the slip, omega v_dot / v, eq. (1b) and (3) are
+/// State, all of the wheel: omega (rad/s); tau = r F_x / J_w (rad/s2); the road's answer a (1/s). With u = k_b P / J_w, and omega v_dot / v, the
+/// wheel acceleration at constant slip, eq. (1b) and (3) give
 ///
 ///     omega_dot = tau - u        tau_dot = a (u + omega v_dot / v - tau)        a = F_z r^2 mu'(lambda) / (J_w v)
 ///
-/// a is large where friction rises steeply with slip and the speed is low: the wheel hangs on the road. It is 0 at the peak, negative
-/// beyond it: the wheel runs away as exp(|a| t).
+/// a is large and positive (restoring) if friction rises steeply with slip and the speed is low, 0 at the peak, negative beyond it: the wheel then
+/// runs away as exp(|a| t).
 #pragma once
 
 #include "firmware/control/arithmetic.hpp"
@@ -16,14 +15,13 @@
 
 namespace antiskid::control {
 
-/// Where the wheel is, or will be.
+/// State of the wheel, now or predicted.
 struct WheelMotion {
     float omega_radps = 0.0F;
     float road_radps2 = 0.0F;  ///< tau
 };
 
-/// A step of the equations above with what acts held. Implicit where the road restores, which is stable for any step; explicit where it
-/// does not.
+/// One step of the equations above with constant inputs. Implicit for a restoring road (a > 0), which is stable for any step; otherwise explicit.
 class WheelStep {
   public:
     WheelStep(float answer_per_s, float step_s)
@@ -33,7 +31,7 @@ class WheelStep {
         const float change = acting_s_ * (at.road_radps2 - brake_radps2 - steady_radps2);
         return {larger(at.omega_radps + change + steady_radps2 * step_s_, 0.0F), at.road_radps2 - answer_per_s_ * change};
     }
-    /// The share of the step over which an excess of torque acts.
+    /// Effective duration, s, for which a torque imbalance acts within the step.
     [[nodiscard]] float acting_s() const { return acting_s_; }
 
   private:
@@ -46,21 +44,21 @@ class WheelObserver {
   public:
     WheelObserver(const ObserverConfig& config, const WheelConfig& wheel, float period_s);
 
-    /// What acts over a period, as accelerations of the wheel.
+    /// Inputs of a period, as accelerations of the wheel.
     struct Drive {
         float brake_radps2 = 0.0F;      ///< k_b P / J_w, mean over the period
         float brake_now_radps2 = 0.0F;  ///< at its end
         float steady_radps2 = 0.0F;     ///< omega v_dot / v
     };
-    /// One period. A reading that is not valid, or a wheel that stands, begins anew. So does a reading that no wheel can have got to, the
-    /// encoder's patience after the last one that was believed; before that it is left out. Readings that stay off to one side mean another
-    /// road: what was learnt of it is forgotten.
+    /// One period. An invalid reading or a wheel at standstill restarts the filter. An impossible reading is ignored; it restarts the filter once
+    /// EncoderConfig::patience_s has passed since the last accepted one. Readings that deviate persistently to one side mean another road, and the
+    /// learnt answer is discarded.
     void update(const SpeedReading& reading, const Drive& drive);
 
     [[nodiscard]] const WheelMotion& motion() const { return motion_; }
     [[nodiscard]] float answer_per_s() const { return answer_per_s_; }
     [[nodiscard]] float answer_variance_per_s2() const { return aa_; }
-    /// The last update met another road.
+    /// Whether the last update found another road.
     [[nodiscard]] bool another_road() const { return another_road_; }
 
   private:

@@ -1,5 +1,5 @@
-/// Checks before the wheel turns, as `antiskid-controller --check` and `rig-bridge preflight` show them: a table for the reader at the
-/// terminal, JSON for programs, one exit status. Pure.
+/// Results of the checks made before the wheel turns by `antiskid-controller --check` and `rig-bridge preflight`: as a table, as JSON, and as exit
+/// status.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace antiskid::controller {
 
 enum class CheckResult : std::uint8_t {
     pass,
-    warn,     ///< the rig may run; somebody should know
-    fail,     ///< the rig does not run
-    skipped,  ///< not looked at: `measured` says why. Never counted as passed
+    warn,     ///< the rig may run, but the operator should know
+    fail,     ///< the rig must not run
+    skipped,  ///< not checked, `measured` says why; never counted as passed
 };
 [[nodiscard]] std::string_view name(CheckResult verdict);
 
@@ -23,18 +23,18 @@ struct Check {
     CheckResult verdict = CheckResult::skipped;
     std::string measured;
     std::string required;
-    std::string remedy;                                   ///< the command, or the deed, that mends it; empty where nothing is to be mended
-    std::vector<std::pair<std::string, double>> figures;  ///< for JSON: a name with its unit, a number
+    std::string remedy;                                   ///< command or action that corrects it; empty if none is needed
+    std::vector<std::pair<std::string, double>> figures;  ///< for JSON: name with unit, and value
 };
 using Checks = std::vector<Check>;
 
-/// What a verdict is made of besides whether it is good.
+/// Texts of a check, see Check.
 struct Words {
     std::string measured;
     std::string required;
     std::string remedy;
 };
-/// Passed when `good`, else `otherwise`; the remedy of a passed one is dropped.
+/// Verdict `pass` if `good`, else `otherwise`. A passed check has no remedy.
 [[nodiscard]] Check judged(std::string name, bool good, Words words, CheckResult otherwise = CheckResult::fail);
 [[nodiscard]] Check skipped(std::string name, std::string why, std::string required);
 
@@ -49,7 +49,7 @@ struct Report {
 
 /// Whether no check failed.
 [[nodiscard]] bool passed(const Report& report);
-/// A line for each check, its remedy below it, and how many of each verdict. Ends in a newline.
+/// One line per check with its remedy below, then the number of each verdict. Ends in a newline.
 [[nodiscard]] std::string table(const Report& report);
 /// One object, ends in a newline.
 [[nodiscard]] std::string json(const Report& report);

@@ -16,21 +16,21 @@
 
 namespace antiskid::controller {
 
-/// What the check knows of the world. check_controller() brings the real one.
+/// Access of the check to machine, bus and clock. check_controller() passes the real ones.
 struct CheckContext {
     std::function<MachineFacts(const MachineNeeds&)> machine;
     std::function<CanLink(const std::string&)> link;
-    /// Opens the bus for these identifiers, or throws std::runtime_error saying why not.
+    /// Opens the bus for these identifiers, or throws std::runtime_error with the reason.
     std::function<std::unique_ptr<can::Bus>(std::span<const std::uint16_t>)> open;
     host::Clock& clock;
-    /// Runs the work, which takes about so long, with the loop's rights and waits for its end.
+    /// Runs `work`, which takes about `expected`, with the scheduling of the loop's thread, and waits for its end.
     std::function<void(control::Time expected, const std::function<void()>& work)> on_loop_thread;
 };
 
-/// Without a valve step it sends nothing. A configuration that cannot be read is a check that failed. `stop` ends it early.
+/// Sends frames only for a valve step. An unreadable configuration is reported as a failed check. `stop` ends it early.
 [[nodiscard]] Report controller_report(const controller::Options& options, const CheckContext& context, const std::atomic<bool>& stop);
 
-/// On this machine; returns the exit status. `options.check` is set.
+/// Checks this machine; returns the exit status. `options.check` must be set.
 [[nodiscard]] int check_controller(const controller::Options& options);
 
 }  // namespace antiskid::controller

@@ -13,14 +13,14 @@ struct ControllerSetup {
     control::Config control;
     can::Layout layout;
     std::string config_hash;  ///< of configuration, DBC and binding, in this order
-    control::Time period{};   ///< of control, in whole microseconds
+    control::Time period{};   ///< control period, whole microseconds
 };
 
-/// Throws settings::Error for what is wrong with a file, and for a layout that cannot serve the chosen clock:
-/// lockstep needs a SYNC, and a valve command in every period.
+/// Throws settings::Error for an error in a file, and for a layout unfit for the chosen clock: lockstep needs a SYNC, and a valve command in every
+/// period.
 [[nodiscard]] ControllerSetup load_setup(const Options& options);
 
-/// The second half of the above: what load_setup() demands of a layout.
+/// The check of the layout that load_setup() makes.
 void check_layout(const can::Layout& layout, ClockSource clock, control::Time period, const std::string& binding);
 
 }  // namespace antiskid::controller

@@ -1,5 +1,5 @@
-/// Hears the rig as the controller would, by the very pacer of its loop, and sends nothing: which frames come, what the controller's own
-/// input checks say of them, and how punctual the loop is. Then judges it.
+/// Listens to the rig with the pacer of the control loop, without sending: records which frames arrive, which faults the controller's input checks
+/// find, and the loop's timing; then makes checks of them.
 #pragma once
 
 #include <array>
@@ -25,25 +25,25 @@ struct Reception {
     host::Histogram work;     ///< from there to the command
 
     std::array<can::MessageStats, can::kRoleCount> stats{};
-    std::uint32_t controller_frames = 0;  ///< that only another controller can have sent
+    std::uint32_t controller_frames = 0;  ///< frames that only another controller can have sent
     can::LinkStatus link;
-    /// Periods in which each fault was present. Those of the first kSettle do not count: nothing has arrived yet.
+    /// Periods in which each fault was present, without those of the first kSettle, before frames have arrived.
     std::array<std::uint64_t, control::kFaultCount> fault_periods{};
     control::Sensors sensors;  ///< newest
     float wheel_radps = 0.0F;  ///< largest after kSettle
     float flywheel_radps = 0.0F;
-    float pressure_Pa = 0.0F;  ///< the one furthest from 0 after kSettle
+    float pressure_Pa = 0.0F;  ///< reading with the largest magnitude after kSettle
 
-    static constexpr control::Time kSettle{500'000'000};  ///< beyond every age limit
+    static constexpr control::Time kSettle{500'000'000};  ///< longer than every age limit of the inputs
 
     [[nodiscard]] const can::MessageStats& of(can::Role role) const { return stats[static_cast<std::size_t>(role)]; }
     [[nodiscard]] bool faulty(control::Fault fault) const { return fault_periods[static_cast<std::size_t>(fault)] > 0; }
 };
 
-/// A bus that takes note of the controller's own frames when somebody else sends them.
+/// A bus that counts frames of the controller's messages sent by another node.
 class ListeningBus final : public can::Bus {
   public:
-    /// Both must outlive it.
+    /// Both must outlive this object.
     ListeningBus(can::Bus& bus, const can::Layout& layout) : bus_(bus), layout_(layout) {}
     std::size_t receive(std::span<can::Frame> frames) override;
     bool send(const can::Frame& frame) override { return bus_.send(frame); }
@@ -57,20 +57,20 @@ class ListeningBus final : public can::Bus {
     std::uint32_t controller_frames_ = 0;
 };
 
-/// For the loop's own thread, with its rights. `duration`: of listening, from one period to all that `stop` allows.
+/// Run it on a thread with the loop's scheduling. Listens for `duration`, at least one period, or until `stop`.
 [[nodiscard]] Reception listen(const controller::ControllerSetup& setup, can::Bus& bus, host::Clock& clock, control::Time duration,
                                const std::atomic<bool>& stop);
 
-/// Present, fresh, undamaged, plausible: a check for each message that the controller lives on, one for what the sensors say while the
-/// rig is at rest, one for the link, one for a second controller. What the bridge sends may be absent: a warning.
+/// Checks that each message needed by the controller is present, fresh, undamaged and plausible; and the sensors' values at rest, the link, and that
+/// there is no second controller. Missing messages of the bridge are only a warning.
 [[nodiscard]] Checks frame_checks(const Reception& reception, const controller::ControllerSetup& setup, const std::string& interface);
-/// The same, where nothing could be heard: all skipped.
+/// The same checks as skipped, if the bus could not be opened.
 [[nodiscard]] Checks frame_checks_skipped(const controller::ControllerSetup& setup, const std::string& why);
 
 /// Latency, work and missed periods of the loop.
 [[nodiscard]] Checks timing_checks(const Reception& reception, control::Time period);
 
-/// Why the valve may not be moved now; empty: wheel and flywheel at rest, no pressure, every sensor good, nobody else commands.
+/// Why the valve must not be moved now; empty if it may: wheel and flywheel at rest, no pressure, every sensor good, no other controller.
 [[nodiscard]] std::string why_not_to_move_the_valve(const Reception& reception, const control::Config& config);
 
 }  // namespace antiskid::controller

@@ -16,15 +16,15 @@
 namespace antiskid::controller {
 
 enum class ClockSource : std::uint8_t { sensors, timer, sync };
-/// As on the command line.
+/// The name used on the command line.
 [[nodiscard]] std::string_view name(ClockSource clock);
 
-/// `--check`: look at everything before the wheel turns, and run nothing.
+/// `--check`: check everything before the wheel turns, without running the controller.
 struct CheckRequest {
-    int timing_s = 10;                  ///< of listening and timing
-    bool valve_step = false;            ///< also move the valve a little
-    std::uint32_t bitrate = 1'000'000;  ///< of the rig's CAN
-    std::string expect_hash;            ///< of the configuration; empty: any
+    int timing_s = 10;                  ///< duration of listening and timing
+    bool valve_step = false;            ///< also make a small valve step
+    std::uint32_t bitrate = 1'000'000;  ///< bit/s, of the rig's CAN
+    std::string expect_hash;            ///< required hash of the configuration; empty: any
 };
 
 struct Options {
@@ -33,15 +33,15 @@ struct Options {
     std::filesystem::path controller = settings::config_directory() / "controller.toml";
     std::filesystem::path dbc = settings::config_directory() / "antiskid.dbc";
     std::filesystem::path binding = settings::config_directory() / "antiskid_binding.toml";
-    std::string json;  ///< of the statistics, or what --check found: file, "-" for standard output, or empty
+    std::string json;  ///< destination of the statistics or of --check's results: file, "-" for standard output, or empty
     host::RealtimeRequest realtime;
     int sync_timeout_ms = 1000;
     spdlog::level::level_enum log_level = spdlog::level::info;
     std::optional<CheckRequest> check;
 };
 
-/// The options, or the exit status when there is nothing to run: 0 after --help or --version, 2 after a
-/// mistake, which has then been explained on standard error.
+/// The options, or the exit status if there is nothing to run: 0 after --help or --version, 2 after a usage error, which is reported on standard
+/// error.
 [[nodiscard]] std::variant<Options, int> parse_options(int argc, const char* const* argv);
 
 }  // namespace antiskid::controller

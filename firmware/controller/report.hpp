@@ -1,4 +1,4 @@
-/// What a run leaves behind: a table for the reader at the terminal, JSON for programs.
+/// Report of a run: a table for people, JSON for programs.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct RunReport {
     std::string clock;        ///< "timer" or "sync"
     std::string config_hash;  ///< of the configuration, DBC and binding in force
     control::Time period{};
-    std::uint64_t records_lost = 0;  ///< of the log's, not of the bus's
+    std::uint64_t records_lost = 0;  ///< CycleRecords that did not fit into the ring; the bus lost nothing by it
     can::LinkStatus link;
     const can::Layout& layout;
     const can::ControllerPort& port;

@@ -1,5 +1,5 @@
-/// What systemd is told by a service of Type=notify: that the loop runs, and, for its watchdog, that it goes on running. sd_notify(3),
-/// sd_watchdog_enabled(3). For the thread that may wait; without a service manager it does nothing.
+/// Notifies systemd (service of Type=notify) that the loop runs, and feeds its watchdog while it keeps running: sd_notify(3), sd_watchdog_enabled(3).
+/// May block: not for the loop's thread. Without a service manager it does nothing.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@ namespace antiskid::controller {
 
 class ServiceManager {
   public:
-    /// `send`: takes what sd_notify does. `watchdog`: a service that is silent for so long is killed; 0: no watchdog.
+    /// `send` receives the text for sd_notify. `watchdog`: time after which systemd kills a silent service; 0: no watchdog.
     ServiceManager(std::function<void(const char*)> send, host::Time watchdog);
-    /// By the environment of this process.
+    /// Configured by the environment of this process.
     [[nodiscard]] static ServiceManager of_this_process();
 
-    /// `cycles`: of the loop, since its start. Ready with the first one; alive, four times in the watchdog's time, as long as they go on. A loop
-    /// that stands is not called alive, whatever the caller does.
+    /// `cycles`: of the loop since its start. Reports ready after the first cycle, then alive four times per watchdog time while cycles advance; a
+    /// loop that has stopped is never reported alive.
     void update(host::Time now, std::uint64_t cycles);
-    /// The loop is about to be stopped, on purpose.
+    /// Call before stopping the loop deliberately.
     void stopping();
 
   private:

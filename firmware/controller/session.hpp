@@ -1,5 +1,4 @@
-/// One run of the controller on a bus: the loop on a thread of its own, and around it the thread that may
-/// wait.
+/// One run of the controller on a bus, with the loop on its own thread.
 #pragma once
 
 #include <atomic>
@@ -17,7 +16,7 @@
 
 namespace antiskid::controller {
 
-/// Controller, port, pacer and loop, wired as the options say. Large: keep it on the heap.
+/// Controller, port, pacer and loop, connected according to the options. Large: keep it on the heap.
 class Session {
   public:
     /// All three must outlive the session.
@@ -36,12 +35,10 @@ class Session {
     host::ControlLoop loop_;
 };
 
-/// The loop's thread. However its owner goes, the loop is stopped and has sent the safe current when the
-/// destructor returns.
+/// The loop's thread. The destructor stops the loop and returns after it has sent the safe current.
 class LoopThread {
   public:
-    /// Asks for the rights of `request` on the new thread, logs what was refused, and then runs the loop
-    /// until `stop`.
+    /// Requests real-time scheduling as in `request` for the new thread, logs refusals, and runs the loop until `stop`.
     LoopThread(host::ControlLoop& loop, const host::RealtimeRequest& request, std::atomic<bool>& stop);
     ~LoopThread();
     LoopThread(const LoopThread&) = delete;

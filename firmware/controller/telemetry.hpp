@@ -1,7 +1,6 @@
-/// The loop's records as log lines: changes of state, faults by name, link and synchronisation as they
-/// happen, and a summary on request. What comes and goes all the time is said three times between two summaries, and then counted; in the
-/// next ones it is counted alone, until one has gone by without it.
-/// For the thread that is allowed to wait.
+/// Writes the loop's records to the log: changes of state, faults, link and synchronisation as they happen, and a summary on request. A change that
+/// keeps recurring is logged three times between two summaries, then only counted; it is logged again after a summary interval without it. May block:
+/// not for the loop's thread.
 #pragma once
 
 #include <cstdint>
@@ -22,13 +21,13 @@ class Telemetry {
     /// `interface` is the name in messages; `logger` must outlive this.
     Telemetry(spdlog::logger& logger, std::string interface);
 
-    /// Empties the ring and logs what has changed since the last record.
+    /// Empties the ring and logs every change since the last record.
     void drain(host::CycleRing& ring);
 
-    /// Number of the loop's newest cycle that was drained; 0 before the first.
+    /// Number of the newest cycle read from the ring; 0 before the first.
     [[nodiscard]] std::uint64_t cycles() const { return last_.step; }
 
-    /// One line on the records since the last summary; says so when there were none.
+    /// Logs one line about the records since the last summary, also if there were none.
     void summarise(const host::CycleRing& ring);
 
   private:
@@ -44,8 +43,8 @@ class Telemetry {
     std::uint64_t missed_ = 0;
     control::Time worst_latency_{};
     std::uint64_t dropped_ = 0;
-    std::map<std::string, std::uint64_t> changes_;  // since the last summary, by state, fault, link, SYNC
-    std::set<std::string> flaps_;                   // what did until the last summary
+    std::map<std::string, std::uint64_t> changes_;  // number since the last summary, by state, fault, link or SYNC
+    std::set<std::string> flaps_;                   // those that recurred in the last summary interval
     std::uint64_t unsaid_ = 0;
 };
 

@@ -1,5 +1,5 @@
-/// A small step of valve current on a rig at rest, and the pressure's answer to it: up to twice the residual pressure, held, and back.
-/// Pure: sensors and time in, current out. Whatever turns, presses too hard or falls silent on the way ends it at the safe current.
+/// A small step of valve current on a rig at rest, and the response of the pressure: up to twice the residual pressure, held, and back. Pure: sensors
+/// and time in, current out. A turning shaft, too much pressure, a silent sensor, an emergency stop or a lost link ends the step at the safe current.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,20 @@ namespace antiskid::controller {
 class ValveStep {
   public:
     static constexpr control::Time kHold{500'000'000};
-    static constexpr control::Time kRelease{500'000'000};  ///< at the most
-    static constexpr double kTolerance = 0.25;             ///< of the pressure that the map promises
+    static constexpr control::Time kRelease{500'000'000};  ///< longest time
+    static constexpr double kTolerance = 0.25;             ///< allowed error, as share of the pressure by the valve map
 
     explicit ValveStep(const control::Config& config);
 
-    /// The current for this period, mA. The first call begins the step.
+    /// The valve current for this period, mA. The first call begins the step.
     [[nodiscard]] float step(const control::Sensors& sensors, control::Time now);
     [[nodiscard]] bool over() const { return over_; }
-    /// Ends it from outside, e.g. the operator.
+    /// Ends the step, e.g. on the operator's request.
     void abort(std::string why);
     [[nodiscard]] Check result() const;
 
     [[nodiscard]] float current_mA() const { return current_mA_; }  ///< of the step
-    [[nodiscard]] float target_Pa() const { return target_Pa_; }    ///< that the map promises for it
+    [[nodiscard]] float target_Pa() const { return target_Pa_; }    ///< pressure by the valve map at this current
 
   private:
     [[nodiscard]] std::string alarm(const control::Sensors& sensors, control::Time now) const;
@@ -37,7 +37,7 @@ class ValveStep {
     float safe_current_mA_;
     float target_Pa_;
     float current_mA_;
-    control::Time answer_;  ///< within which half of the target is passed, up and down
+    control::Time answer_;  ///< limit of the time to half of the target, up and down
     control::Time max_age_;
     std::optional<control::Time> began_;
     std::optional<control::Time> released_;

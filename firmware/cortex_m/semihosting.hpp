@@ -1,4 +1,4 @@
-/// The host's files and exit status, by breakpoint. Arm, Semihosting for AArch32 and AArch64, release 2022Q1.
+/// Access to the host's files and exit status by semihosting breakpoints. Source: Arm, Semihosting for AArch32 and AArch64, release 2022Q1.
 #pragma once
 
 #include <array>
@@ -26,13 +26,13 @@ inline std::intptr_t open(const char* name, std::size_t length, Mode mode) {
     return detail::call(0x01, p.data());
 }
 
-/// Bytes not written; 0 is success.
+/// Returns the number of bytes not written; 0 is success.
 inline std::size_t write(std::intptr_t handle, const void* data, std::size_t size) {
     const std::array<std::uintptr_t, 3> p{static_cast<std::uintptr_t>(handle), reinterpret_cast<std::uintptr_t>(data), size};
     return static_cast<std::size_t>(detail::call(0x05, p.data()));
 }
 
-/// Bytes read; 0 at the end of the file.
+/// Returns the number of bytes read; 0 at the end of the file.
 inline std::size_t read(std::intptr_t handle, void* data, std::size_t size) {
     const std::array<std::uintptr_t, 3> p{static_cast<std::uintptr_t>(handle), reinterpret_cast<std::uintptr_t>(data), size};
     return size - static_cast<std::size_t>(detail::call(0x06, p.data()));
@@ -43,12 +43,12 @@ inline void close(std::intptr_t handle) {
     detail::call(0x02, &p);
 }
 
-/// To the host's console.
+/// Writes to the host's console.
 inline void write_text(const char* text) {
     detail::call(0x04, text);
 }
 
-/// The command line's length, itself ended by a zero in `buffer`; 0 where it does not fit.
+/// Copies the command line, zero-terminated, to `buffer`; returns its length, 0 if it does not fit.
 inline std::size_t command_line(char* buffer, std::size_t size) {
     std::array<std::uintptr_t, 2> p{reinterpret_cast<std::uintptr_t>(buffer), size};
     return detail::call(0x15, p.data()) == 0 ? p[1] : 0;

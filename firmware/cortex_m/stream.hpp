@@ -1,5 +1,5 @@
-/// What goes into the microcontroller's run and what comes out of it: records of 16 bytes, Intel order, no padding. A file begins with a
-/// Head; then frames as the bus carried them, and a step after those of each period.
+/// Format of the input and output files of a run on the microcontroller: records of 16 bytes, little-endian, no padding. A Head, then for each period
+/// its frames in bus order, followed by a step record.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-/// What the command lines of all programs have alike.
+/// Command-line options that all programs share.
 ///
 ///     settings::add_choice(app, "--clock", clock, {{"timer", Clock::timer}, {"sync", Clock::sync}}, "what a step waits for");
 ///     settings::existing_file(app.add_option("--dbc", dbc, "bus layout"));
@@ -17,14 +17,14 @@
 
 namespace settings {
 
-/// Nothing when there is something to run. Else the exit status: 0 after --help or --version; 2 after a mistake, which standard error then names
-/// with the word that a misspelt verb or option may have meant.
+/// Nothing if the program shall run. Otherwise the exit status: 0 after --help or --version; 2 after a usage error, reported on standard error with a
+/// suggestion for a misspelt verb or option.
 [[nodiscard]] std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);
 
-/// Only these words, which --help shows; a refusal says which one may have been meant. Of an option with several values, each of them.
+/// Accepts only these words, which --help lists; the error for another word suggests the nearest one. Checks each value of an option with several.
 CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words);
 
-/// A value by its name. What `value` holds is the default.
+/// An option that takes the name of a value. The default is the present content of `value`.
 template <typename T>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const std::vector<std::pair<std::string, T>>& choices,
                         const std::string& description) {
@@ -43,25 +43,26 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
     return one_of(option, std::move(words));
 }
 
-/// What is named has to be there: status 2 and its name where it is not. Of an option with several values, each of them.
+/// The named file or directory must exist, otherwise exit status 2 with its name. Checks each value of an option with several.
 CLI::Option* existing_file(CLI::Option* option);
 CLI::Option* existing_directory(CLI::Option* option);
 CLI::Option* existing_path(CLI::Option* option);
-/// A file that is written, or replaced: its directory has to be there, so that a misspelt one is not made; status 2 before any work where it is not.
+/// A file to be written or replaced. Its directory must exist, so that a misspelt one is not created; otherwise exit status 2 before any work is
+/// done.
 CLI::Option* result_file(CLI::Option* option);
 
 /// `--config DIRECTORY`.
 CLI::Option* add_config_directory(CLI::App& app, std::filesystem::path& directory);
-/// `--out DIRECTORY`; what `directory` holds, if anything, is the default.
+/// `--out DIRECTORY`; the default is the present content of `directory`, if not empty.
 CLI::Option* add_out(CLI::App& app, std::filesystem::path& directory, const std::string& what);
-/// `--threads N`, on which no result depends.
+/// `--threads N`. Results do not depend on it.
 CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& default_is = "all cores");
-/// `--dbc FILE` and `--binding FILE`; empty where not given, and then those of the configuration directory.
+/// `--dbc FILE` and `--binding FILE`; empty if not given: the caller then uses those of the configuration directory.
 void add_layout_files(CLI::App& app, std::filesystem::path& dbc, std::filesystem::path& binding);
-/// `--json FILE`, for deliver().
+/// `--json FILE`; pass `where` to deliver().
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what);
 
-/// Writes `text` to the file `where`, whole or not at all; to standard output for "-"; nowhere for "". Throws Error where it cannot.
+/// Writes `text` atomically to the file `where`, to standard output for "-", nowhere for "". Throws Error if the file cannot be written.
 void deliver(const std::string& where, std::string_view text);
 
 }  // namespace settings

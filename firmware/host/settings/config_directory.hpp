@@ -1,12 +1,11 @@
-/// Where the programs look for configuration files unless the user says where.
+/// Default directory of the configuration files.
 #pragma once
 
 #include <filesystem>
 
 namespace settings {
 
-/// `config` of the working directory, where that is a directory: a checkout, or a user's own copy. Else the installation's, /etc/antiskid in a
-/// Debian package.
+/// `config` in the working directory if that exists (a checkout, or a user's own copy), else the installed one, /etc/antiskid in a Debian package.
 [[nodiscard]] std::filesystem::path config_directory();
 
 }  // namespace settings

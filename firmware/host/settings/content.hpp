@@ -1,4 +1,4 @@
-/// Inside the reader: what a document holds and how its tables look at it. Not for other rooms.
+/// Internal to settings/: the content of a document and the access of its tables to it.
 #pragma once
 
 #include <toml++/toml.h>
@@ -19,11 +19,11 @@ struct Document::Content {
     std::string name;
     std::string text;
     toml::table root;
-    /// The keys somebody knows, table by table.
+    /// Keys that a caller has asked for, by table.
     std::map<const toml::table*, std::set<std::string, std::less<>>> asked;
 };
 
-/// A table and where it stands.
+/// A table and its position in the document.
 struct Table::Scope {
     struct Unknown;
 
@@ -32,13 +32,13 @@ struct Table::Scope {
     std::string name;
     std::string path;
 
-    /// Marks `key` as known; null when it is missing.
+    /// Marks `key` as known; null if it is missing.
     [[nodiscard]] const toml::node* find(std::string_view key) const;
-    /// As find(), but a missing key is refused, together with the key that seems to stand in its place.
+    /// As find(), but throws for a missing key; the error names an unknown key that may be a misspelling of it.
     [[nodiscard]] const toml::node& get(std::string_view key) const;
-    /// Keys that nobody knows so far.
+    /// Keys that no caller has asked for so far.
     [[nodiscard]] std::vector<std::string_view> unknown_keys() const;
-    /// Adds the keys of this table that nobody knows, and its tables under the keys that somebody knows.
+    /// Adds the unknown keys of this table to `unknown`, and its tables under known keys to `known_tables`.
     void inspect(std::vector<Unknown>& unknown, std::vector<Table>& known_tables) const;
     /// The table `node` of this one.
     [[nodiscard]] Table below(const toml::table& node, std::string_view key) const;
@@ -46,7 +46,7 @@ struct Table::Scope {
     [[nodiscard]] Table below(const toml::table& node, std::string_view key, std::size_t index) const;
 
     [[nodiscard]] std::string path_of(std::string_view key) const;
-    /// The line of `key`, or of this table when there is no such key; 0 for the root.
+    /// The line of `key`, or of this table if there is no such key; 0 for the root.
     [[nodiscard]] std::uint32_t line_of(std::string_view key) const;
     [[nodiscard]] std::uint32_t line() const;
 
@@ -55,7 +55,7 @@ struct Table::Scope {
     [[noreturn]] void reject_type(const toml::node& node, std::string_view key, std::string_view expected) const;
 };
 
-/// A key that nobody asked for.
+/// A key that no caller has asked for.
 struct Table::Scope::Unknown {
     toml::source_position place;
     Scope scope;
@@ -66,7 +66,7 @@ struct Table::Scope::Unknown {
 [[nodiscard]] std::string spelt(std::string_view key);
 /// "the string 'wet'", "the integer 3", "an array": what was found, for a message.
 [[nodiscard]] std::string described(const toml::node& node);
-/// The shortest decimal that is this number.
+/// The shortest decimal that reads back as this number.
 [[nodiscard]] std::string shown(double value);
 
 }  // namespace settings

@@ -1,4 +1,4 @@
-/// Text as a field of a CSV, and the fields of a line.
+/// Writes text as a CSV field, and splits a CSV line into fields.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace settings {
 
-/// By RFC 4180: in quotes, its own ones doubled, where it holds a separator, a quote or a line end, begins with # or has blanks at an end.
+/// RFC 4180: quoted, with inner quotes doubled, if the text contains a comma, a quote or a line end, begins with # or has a blank at either end.
 [[nodiscard]] inline std::string csv_field(std::string_view text) {
     const bool plain =
         text.find_first_of(",\"\r\n") == std::string_view::npos && !text.starts_with('#') && !text.starts_with(' ') && !text.ends_with(' ');
@@ -18,14 +18,15 @@ namespace settings {
     return quoted + '"';
 }
 
-/// Without blanks at its ends.
+/// `text` without blanks, tabs and carriage returns at its ends.
 [[nodiscard]] inline std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// The fields of a line, as views into it: trimmed; one in quotes, which are left out, may hold separators, and its doubled quotes stay doubled.
+/// Splits a line into trimmed fields, as views into `line`. A quoted field may contain separators; its outer quotes are removed, doubled quotes stay
+/// doubled.
 inline void split_csv(std::string_view line, char separator, std::vector<std::string_view>& fields) {
     fields.clear();
     for (std::size_t from = 0; from <= line.size();) {

@@ -1,4 +1,4 @@
-/// What is wrong with a file, and where.
+/// An error in a file, with its place.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,10 @@
 
 namespace settings {
 
-/// `what()` reads "config/plant.toml:12: wheel.inertia_kgm2: 900 is out of range 0.01 to 100"; a part that
-/// does not apply is left out.
+/// `what()` reads "config/plant.toml:12: wheel.inertia_kgm2: 900 is out of range 0.01 to 100"; parts that do not apply are omitted.
 class Error : public std::runtime_error {
   public:
-    /// `line` counts from 1; 0 when no line is to blame. `key` is the full path from the root, empty when no
-    /// key is to blame.
+    /// `line` counts from 1; 0 if no line applies. `key` is the full path from the root, empty if no key applies.
     Error(std::string file, std::uint32_t line, std::string key, std::string message);
 
     [[nodiscard]] const std::string& file() const { return file_; }

@@ -1,4 +1,4 @@
-/// A POSIX file descriptor with an owner.
+/// An owning POSIX file descriptor.
 #pragma once
 
 #include <unistd.h>
@@ -9,7 +9,7 @@ namespace settings {
 
 class FileDescriptor {
   public:
-    /// Takes what open() returned, -1 included.
+    /// Takes ownership of the result of open(), which may be -1.
     explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
     ~FileDescriptor() {
         if (is_open()) ::close(descriptor_);
@@ -25,7 +25,7 @@ class FileDescriptor {
     [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
     [[nodiscard]] int get() const { return descriptor_; }
 
-    /// Closes now; false when the last of the data could not be stored (errno tells why).
+    /// Closes now; false if remaining data could not be stored (see errno).
     [[nodiscard]] bool close() {
         const int descriptor = descriptor_;
         descriptor_ = -1;

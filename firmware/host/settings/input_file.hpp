@@ -1,4 +1,4 @@
-/// Whole small files in memory.
+/// Reads a whole small file into memory.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace settings {
 
-/// No settings file is larger.
+/// Limit for settings files, bytes.
 inline constexpr std::size_t kMaxSettings = 16U << 20U;
-/// The bytes of a file. Error when it is absent, a directory, unreadable, or larger than `most`.
+/// Throws Error if the file is missing, a directory, unreadable, or larger than `max` bytes.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path, std::size_t max = kMaxSettings, const Storage& storage = PosixStorage{});
 
 }  // namespace settings

@@ -1,4 +1,4 @@
-/// What the writer of an unknown word may have meant.
+/// Suggestions for misspelt words.
 #pragma once
 
 #include <span>
@@ -7,16 +7,15 @@
 
 namespace settings {
 
-/// The word of `known` that `word` is most likely a slip of, "" when none is close: letter case, `-` for `_`,
-/// or about one edit (insertion, deletion, substitution, swap of neighbours) in four characters. Words that
-/// differ only in a number (c1, c2) are not slips.
+/// The word of `known` that `word` most likely misspells, "" if none is close: differences in letter case, `-` for `_`, or about one edit (insertion,
+/// deletion, substitution, swap of neighbours) per four characters. Words that differ only in a number (c1, c2) do not count as misspellings.
 [[nodiscard]] std::string_view nearest(std::string_view word, std::span<const std::string_view> known);
 
 /// Whether `expected` ends in a unit (`mass_kg`) and `got` is the same stem with another ending or none
 /// (`mass_lb`, `mass`).
 [[nodiscard]] bool differs_in_unit(std::string_view expected, std::string_view got);
 
-/// `word` for a message: bytes that could upset a terminal are written as \xNN.
+/// `word` for a message: control bytes, which could disturb a terminal, are written as \xNN.
 [[nodiscard]] std::string printable(std::string_view word);
 
 }  // namespace settings

@@ -1,4 +1,4 @@
-/// How far a long computation is, on standard error: a bar with the time left, or a plain line now and then where that is no terminal.
+/// Shows the progress of a long computation on standard error: a bar with the time left on a terminal, otherwise an occasional line.
 #pragma once
 
 #include <chrono>
@@ -11,14 +11,14 @@ namespace settings {
 
 class Progress {
   public:
-    /// `already`: maneuvers (or what `unit` names; it must outlive this) done before this run, which say nothing about its pace.
+    /// `already`: maneuvers (or what `unit` names) done before this run, not used to estimate its pace. `unit` must outlive this object.
     Progress(std::int64_t planned, std::int64_t already, std::string_view unit = "maneuvers");
-    /// `note` stands after the time left.
+    /// `note` is shown after the time left.
     void show(std::int64_t done, std::string_view note = {});
     ~Progress() { finish(); }
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
-    /// Ends the live line.
+    /// Ends the line on the terminal.
     void finish();
 
   private:
@@ -32,7 +32,7 @@ class Progress {
     bool shown_ = false;
 };
 
-/// The same of a computation that says after each step how many of how many are done; `unit` must outlive it.
+/// The same as a callback for a computation that reports `done` of `all` steps; `unit` must outlive it.
 [[nodiscard]] std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit);
 
 }  // namespace settings

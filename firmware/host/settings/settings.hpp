@@ -1,5 +1,4 @@
-/// Settings from TOML files, declared where they are read: key, type, range. Whatever was not declared is
-/// refused.
+/// Reads settings from TOML files. Key, type and range are declared where the value is read; undeclared keys are refused.
 ///
 ///     const auto doc = settings::Document::load("config/plant.toml");
 ///     const auto wheel = doc.root().table("wheel");
@@ -9,15 +8,13 @@
 ///     for (const auto& surface : doc.root().table("surfaces").tables()) { use(surface.name(),
 ///     surface.number("c1", ...)); } doc.finish();  // refuses every key that nobody asked for
 ///
-/// Every refusal is a settings::Error that names file, line and key, says what would be right, and points at
-/// a near miss:
+/// Every refusal is a settings::Error that names file, line and key, says what would be right, and suggests a key for a misspelt one:
 ///     config/plant.toml:12: wheel.inertia_kgm2: 900 is out of range 0.01 to 100
 ///     config/plant.toml:14: wheel.mass_lb: unit: expected mass_kg, got mass_lb
 ///     config/plant.toml:9: wheeel: unknown table; did you mean 'wheel'?
 ///
-/// Units stand in key names (`_kg`, `_mps`, `_ms`), so a value in another unit is an unknown key, never a
-/// silent factor. A Table shares ownership of its document. Asking marks a key as known, even through a const
-/// object: one document, one thread.
+/// Units stand in key names (`_kg`, `_mps`, `_ms`), so a value in another unit is an unknown key, never silently misread. A Table shares ownership of
+/// its document. Asking for a key marks it as known, even through a const object: use a document from one thread only.
 #pragma once
 
 #include <algorithm>
@@ -69,9 +66,8 @@ struct Choice {
     T value;
 };
 
-/// One table of a document. Every reader throws Error when the key is missing, of the wrong type or out of
-/// range; its `find_` twin answers nullopt when the key is missing and throws all the same when it is there
-/// and wrong.
+/// One table of a document. Every reader throws Error if the key is missing, of the wrong type or out of range. Its `find_` variant returns nullopt
+/// for a missing key, and throws if the key is present but wrong.
 class Table {
   public:
     /// A finite number; an integer is accepted, a boolean, a string, nan and inf are not.
@@ -122,13 +118,12 @@ class Table {
     [[nodiscard]] std::optional<Table> find_table(std::string_view key) const { return has(key) ? std::optional(table(key)) : std::nullopt; }
 
     /// The tables under `key`, in file order: an array of tables (`[[signal]]`), or named ones
-    /// (`[signal.speed]`, see name()). A missing key is as good as no tables, so it is refused unless
-    /// `count.min` is 0.
+    /// (`[signal.speed]`, see name()). A missing key counts as no tables, so it is refused unless `count.min` is 0.
     [[nodiscard]] std::vector<Table> tables(std::string_view key, const Count& count = {}) const;
     /// The named tables of this table, in file order; every value in it must be a table.
     [[nodiscard]] std::vector<Table> tables(const Count& count = {}) const;
 
-    /// Whether the key is there; whoever asks knows the key, so finish() accepts it.
+    /// Whether the key is present. Marks it as known, so that finish() accepts it.
     [[nodiscard]] bool has(std::string_view key) const;
 
     /// The last key of path(): "dry_asphalt" for `[surfaces.dry_asphalt]`, "signal[2]" in an array of tables,
@@ -138,8 +133,7 @@ class Table {
     [[nodiscard]] const std::string& path() const;
     [[nodiscard]] const std::string& file() const;
 
-    /// Throws the Error of a check that the caller made, at the line of `key` (of this table when there is no
-    /// such key).
+    /// Throws Error with the caller's `message` at the line of `key` (of this table if there is no such key).
     [[noreturn]] void fail(std::string_view key, const std::string& message) const;
 
   private:
@@ -163,17 +157,16 @@ class Table {
 /// One TOML file (v1.0, UTF-8, with or without byte order mark).
 class Document {
   public:
-    /// Error when the file is absent, unreadable or no file, and at the line of the first syntax error or
-    /// duplicate key.
+    /// Throws Error if the file is missing, unreadable or not a file, or at the line of the first syntax error or duplicate key.
     [[nodiscard]] static Document load(const std::filesystem::path& path);
-    /// The same from memory; `name` stands for the file in messages.
+    /// The same from memory; `name` replaces the file name in messages.
     [[nodiscard]] static Document parse(std::string text, std::string name);
 
     [[nodiscard]] Table root() const;
     /// The bytes that were parsed, for hash_bytes().
     [[nodiscard]] const std::string& bytes() const;
 
-    /// Call when everything was asked for: Error at the first line whose key nobody knew.
+    /// Call after reading everything: throws Error at the first key that was not asked for.
     void finish() const;
 
   private:

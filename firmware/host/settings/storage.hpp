@@ -1,6 +1,6 @@
-/// The disk as those see it who keep records on it: handed in, so that a test can hand in one that fills up, refuses and loses its power.
+/// Interface to the disk for programs that keep records; injected, so that tests can simulate a full disk, errors and power cuts.
 ///
-/// What fails is an errno; 0 where it is done.
+/// Functions returning int return 0, or the errno of the failure.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace settings {
 
-/// Closed when it goes.
+/// An open file; the destructor closes it.
 class File {
   public:
     File() = default;
@@ -22,11 +22,12 @@ class File {
     File(const File&) = delete;
     File& operator=(const File&) = delete;
 
-    /// How many bytes, maybe fewer than asked for, or the negative of an errno. Reading: none at the end.
+    /// read() and append() return the number of bytes, which may be less than requested, or a negative errno. read() returns 0 at the end of the
+    /// file.
     [[nodiscard]] virtual std::int64_t read(std::span<char> bytes) = 0;
     [[nodiscard]] virtual std::int64_t append(std::string_view bytes) = 0;
     [[nodiscard]] virtual int truncate(std::int64_t size) = 0;
-    /// Its bytes survive a power cut; its name does so after Storage::sync_directory().
+    /// fsync: the file's bytes survive a power cut. Its name does after Storage::sync_directory().
     [[nodiscard]] virtual int sync() = 0;
     [[nodiscard]] virtual int close() = 0;
 };
@@ -36,7 +37,7 @@ struct Opened {
     int error = 0;
 };
 
-/// Who has a file that is held: what that program wrote there, empty where it wrote nothing.
+/// The text that the program holding a file has written into it; empty if it wrote none.
 struct HeldBy {
     std::string who;
 };
@@ -49,28 +50,28 @@ class Storage {
     Storage& operator=(const Storage&) = delete;
 
     [[nodiscard]] virtual Opened open(const std::filesystem::path& path) const = 0;    ///< to read
-    [[nodiscard]] virtual Opened create(const std::filesystem::path& path) const = 0;  ///< EEXIST: is there already
+    [[nodiscard]] virtual Opened create(const std::filesystem::path& path) const = 0;  ///< EEXIST: exists already
     [[nodiscard]] virtual int make_directory(const std::filesystem::path& path) const = 0;
-    /// The names in it survive a power cut.
+    /// fsync: the names in the directory survive a power cut.
     [[nodiscard]] virtual int sync_directory(const std::filesystem::path& path) const = 0;
     [[nodiscard]] virtual int rename(const std::filesystem::path& from, const std::filesystem::path& to) const = 0;
     [[nodiscard]] virtual int remove(const std::filesystem::path& path) const = 0;
     /// Links followed. Throws std::filesystem::filesystem_error.
     [[nodiscard]] virtual std::filesystem::file_status status(const std::filesystem::path& path) const = 0;
-    /// Absolute, without links.
+    /// Absolute path without symbolic links.
     [[nodiscard]] virtual std::filesystem::path canonical(const std::filesystem::path& path) const = 0;
 
-    /// Takes `path` for this program alone until the file goes or the program dies, however it dies; the file stays. It is made where it is not
-    /// there, and `who` written into it, one line for whoever comes second. Throws std::system_error naming the file.
+    /// Locks `path` exclusively until the returned file is destroyed or the program ends, in whatever way; the file itself remains. Creates it if
+    /// needed and writes `who` into it, one line that a second program can report. Throws std::system_error naming the file.
     [[nodiscard]] virtual std::variant<std::unique_ptr<File>, HeldBy> hold(const std::filesystem::path& path, const std::string& who) const = 0;
-    /// Whether somebody has it now, and who: for those who only look. Nothing where the file is not there or cannot be read.
+    /// The holder, without locking; none if the file is not held, is missing or cannot be read.
     [[nodiscard]] virtual std::optional<HeldBy> held_by(const std::filesystem::path& path) const = 0;
 
-    /// Name of the SQLite VFS that reaches the same files; null: the one that SQLite brings.
+    /// Name of the SQLite VFS for the same files; null: SQLite's default.
     [[nodiscard]] virtual const char* sqlite_vfs() const { return nullptr; }
 };
 
-/// The computer's own.
+/// The computer's file system.
 class PosixStorage final : public Storage {
   public:
     [[nodiscard]] Opened open(const std::filesystem::path& path) const override;

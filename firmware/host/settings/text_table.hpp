@@ -1,4 +1,4 @@
-/// Tables as text: what a column is called and how its values are written stand in one place.
+/// Tables as text; a column's name and the format of its values are given together.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,13 +16,13 @@ namespace settings {
 ///     for (const Surface& s : surfaces) table.add(s.name, s.c1);
 ///     fmt::print("{}", table.text());
 ///
-/// Columns are parted by |, the name from the format (of fmt) by the last colon, if there is one. Names, and text among the values, take alignment
-/// and width of it alone.
+/// Columns are separated by |; the last colon of a column separates its name from its fmt format, if any. Names and text values use only the
+/// alignment and width of that format.
 class TextTable {
   public:
     /// Columns of fixed width, each line after `indent`.
     [[nodiscard]] static TextTable screen(std::string_view columns, std::string_view indent = {}) { return {columns, indent, "", "\n"}; }
-    /// Values are written as they are given: text that may hold a separator goes through csv_field().
+    /// Values are not quoted: pass text that may contain a separator through csv_field().
     [[nodiscard]] static TextTable csv(std::string_view columns) { return {columns, "", ",", "\n"}; }
     [[nodiscard]] static TextTable markdown(std::string_view columns) {
         TextTable table(columns, "| ", " | ", " |\n");
@@ -31,12 +31,12 @@ class TextTable {
         return table;
     }
 
-    /// The next values of a row, which ends after its last column; what is missing is left empty.
+    /// Adds the next values of the row; a row ends after its last column. A std::optional without value leaves the cell empty.
     template <typename... Values>
     void add(const Values&... values) {
         (put(values), ...);
     }
-    /// Below the rows so far, as it is.
+    /// Adds `text` unchanged as a line below the rows so far.
     void line(std::string_view text) { text_.append(text).push_back('\n'); }
 
     [[nodiscard]] const std::string& text() const { return text_; }
