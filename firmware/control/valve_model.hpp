@@ -8,7 +8,7 @@
 
 namespace antiskid::control {
 
-/// Inverse of the static map, linear between points: the current for a pressure. Zero pressure gives zero current; the dead zone is skipped.
+/// Inverse of the static map, linear between points: the current for a pressure. Zero pressure gives the safe current; the dead zone is skipped.
 [[nodiscard]] float valve_current_mA(const ValveConfig& valve, float pressure_Pa);
 /// The static map.
 [[nodiscard]] float valve_pressure_Pa(const ValveConfig& valve, float current_mA);

@@ -1,4 +1,4 @@
-/// A program of the operator's that is run when a maneuver was aborted: mail, a lamp, a message.
+/// Runs the operator's program after an aborted maneuver, e.g. to send a message or switch on a lamp.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace rig::bridge {
 
-/// What it is told, each in an environment variable of one line.
+/// Data for the program, each in an environment variable of one line.
 struct AbortNews {
     std::string outcome;           ///< RIG_OUTCOME: what the campaign does about it, for people
     std::string cause;             ///< RIG_CAUSE: name of the abort, or record_lost
@@ -21,13 +21,13 @@ struct AbortNews {
 
 [[nodiscard]] std::vector<std::string> environment_of(const AbortNews& news);
 
-/// Throws std::invalid_argument where `program` is no file that may be run.
+/// Throws std::invalid_argument if `program` is not an executable file.
 void check_hook(const std::filesystem::path& program);
 
 inline constexpr std::chrono::seconds kHookLimit{10};
 
-/// Runs it without a shell and without arguments, at ordinary priority, and waits for its end; after `limit` it is killed with all that it
-/// started in its process group. Returns what went wrong; empty: it ended with 0.
+/// Runs the program without shell or arguments, at ordinary priority, and waits for its end; after `limit` kills it with its process group. Returns
+/// what went wrong; empty: exit status 0.
 [[nodiscard]] std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& news,
                                    std::chrono::milliseconds limit = kHookLimit);
 

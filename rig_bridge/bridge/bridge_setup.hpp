@@ -22,8 +22,7 @@ struct BridgeSetup {
     std::string config_hash;  ///< of scenario, sequencer, rig, layout, register map and bridge.toml
 };
 
-/// Throws settings::Error or std::invalid_argument with what is wrong and what would be right.
-/// `also`: further files for the hash.
+/// Throws settings::Error or std::invalid_argument that names the error and what would be right. `also`: further files for the hash.
 [[nodiscard]] BridgeSetup load_setup(const RigOptions& options, const std::vector<std::filesystem::path>& also = {});
 
 }  // namespace rig::bridge

@@ -1,4 +1,4 @@
-/// What the frames on the bus say to the bridge, and to the recording that is under way. Knows no thread or socket; clocks are handed in.
+/// Decodes the frames on the bus for the bridge and for the current recording. Independent of threads and sockets; clocks are injected.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,15 @@ namespace rig::bridge {
 
 class BusListener {
   public:
-    /// `layout` must outlive it, and so must `lockstep`; none: the monotonic clock of `clocks` is the time.
+    /// `layout` and `lockstep` must outlive it. Time is that of `lockstep`; null: the monotonic clock of `clocks`.
     BusListener(const antiskid::can::Layout& layout, const record::MeterParameters& parameters, antiskid::can::WallClockOffset::Clock clocks,
                 Lockstep* lockstep = nullptr);
 
-    /// A batch in the order of the bus, with the kernel's stamps, which are wall clock. `recording`: none, or it takes them, and their stamps are
-    /// those of the record afterwards.
+    /// Takes a batch in bus order, with the kernel's wall-clock stamps. `recording`, if not null, stores the frames and replaces their stamps by
+    /// those of the record.
     void hear(std::span<record::CapturedFrame> frames, Recording* recording);
 
-    /// Puts all of it that comes from frames, and what has become of `recording`, into `now`. `drained`: everything that had arrived by `time` was
-    /// heard.
+    /// Fills the members of `now` that come from frames, and the state of `recording`. `drained`: all frames that had arrived by `time` were taken.
     void tell(BusNow& now, antiskid::can::Time time, bool drained, const Recording* recording);
 
   private:

@@ -1,4 +1,4 @@
-/// Hears everything on the bus: what is known of it now, the live speeds, and bus.log of each maneuver. On a thread of its own; in lockstep
+/// Receives all frames on the bus and provides the present state, the live speeds, and bus.log of each maneuver. Runs on its own thread; in lockstep
 /// on the caller's, turn by turn.
 #pragma once
 
@@ -23,8 +23,8 @@ namespace rig::bridge {
 
 class BusRecorder final : public BusFeed {
   public:
-    /// Throws what Capture throws. `housekeeping` is called by the thread several times a second. `layout` must outlive it, and so must
-    /// `lockstep`; none: a thread hears, and the machine's clock is the time.
+    /// Throws what Capture throws. `housekeeping` is called by the thread several times a second. `layout` and `lockstep` must outlive it; `lockstep`
+    /// null: own thread and the machine's clock.
     BusRecorder(const std::string& interface, const antiskid::can::Layout& layout, const record::MeterParameters& parameters,
                 std::function<void()> housekeeping, Lockstep* lockstep = nullptr);
     ~BusRecorder() override;
@@ -33,20 +33,20 @@ class BusRecorder final : public BusFeed {
 
     [[nodiscard]] BusNow now() const override;
 
-    /// Lockstep: hears until the bridge's turn has come, or was waited for in vain, or `enough`.
+    /// Lockstep: receives until the bridge's turn is due, waiting for it has timed out, or `enough` returns true.
     void await_turn(const std::function<bool()>& enough);
 
     /// Starts bus.log. Throws std::runtime_error naming `path`.
     void begin(const std::filesystem::path& path);
-    /// Asks the thread to end the record; take() has it a few milliseconds later.
+    /// Asks the thread to end the record; take() returns it a few milliseconds later.
     void end();
-    /// The record, once the thread has let go of it; its log is not yet finished (BusLog::finish() waits for the disk).
+    /// The record, once the thread has ended it, else null. Its log is not yet finished: BusLog::finish() waits for the disk.
     [[nodiscard]] std::unique_ptr<Recording> take();
 
   private:
     void run();
     [[nodiscard]] antiskid::can::Time time() const;
-    /// What has arrived; whether there may be more.
+    /// Takes what has arrived; returns whether more may be waiting.
     bool hear_batch();
     void publish(bool drained);
     void change_record();
@@ -65,10 +65,10 @@ class BusRecorder final : public BusFeed {
     std::unique_ptr<record::Capture> capture_;
     BusListener listener_;
     std::unique_ptr<Recording> recording_;
-    std::uint64_t dropped_before_ = 0;  // by captures that are no more
+    std::uint64_t dropped_before_ = 0;  // by earlier captures
     std::string capture_error_;
 
-    mutable std::mutex mutex_;  // over all that follows
+    mutable std::mutex mutex_;  // guards the members below
     BusNow now_;
     std::unique_ptr<Recording> next_;
     std::unique_ptr<Recording> ended_;

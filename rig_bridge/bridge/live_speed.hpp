@@ -1,5 +1,5 @@
-/// The speed of one shaft for view, picture and settling: mean between edges some milliseconds apart, by the sensor's own clock, so that a
-/// frame that comes late changes nothing. Figures are the meter's (rig_bridge/record/meter.hpp).
+/// Speed of one shaft for view, picture and settling: mean between edges some milliseconds apart, by the sensor's clock, so that late frames have no
+/// effect. The figures of a maneuver come from the meter instead (rig_bridge/record/meter.hpp).
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class LiveSpeed {
   public:
     explicit LiveSpeed(double teeth) : pitch_rad_(2.0 * std::numbers::pi / teeth) {}
 
-    /// The newest input and when that is known, by the clock of this machine.
+    /// Call with the newest input; `now` is the time by this machine's clock.
     void update(const antiskid::control::SpeedInput& input, antiskid::control::Time now) {
         using antiskid::control::SpeedSource;
         if (input.received == antiskid::control::kNever) return;
@@ -41,7 +41,7 @@ class LiveSpeed {
             radps_ = static_cast<double>(edges) * pitch_rad_ / length_s;
             begin(input);
         }
-        // Nothing new for long: at most one edge in that time.
+        // Without a new edge for long, speed is at most one edge in that time.
         const double silent_s = antiskid::host::seconds(now - news_) - kLate_s;
         if (silent_s > 0.0) radps_ = std::min(radps_, pitch_rad_ / silent_s);
     }
@@ -50,8 +50,8 @@ class LiveSpeed {
 
   private:
     static constexpr double kWindow_s = 0.005;
-    static constexpr double kLate_s = 0.03;              // a frame may be so late without meaning anything
-    static constexpr std::uint32_t kMaxEdges = 1 << 20;  // more is another sensor, or one that started again
+    static constexpr double kLate_s = 0.03;              // normal delay of a frame
+    static constexpr std::uint32_t kMaxEdges = 1 << 20;  // more edges mean another sensor, or a restarted one
 
     void begin(const antiskid::control::SpeedInput& input) {
         from_count_ = input.edge_count;

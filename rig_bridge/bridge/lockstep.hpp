@@ -1,8 +1,8 @@
-/// Whose turn it is in lockstep, and what time it is: rig time, SYNC number times control period. The bridge's turn is each step of SYNC
-/// periods, as soon as the controller has answered that SYNC; the rig waits for it. Pure: frames in, turns out.
+/// The bridge's turns and the time in lockstep: rig time, SYNC number times control period. The bridge's turn comes once per `step`, as soon as the
+/// controller has answered that SYNC; the rig waits for the bridge. Pure: frames in, turns out.
 ///
-/// A controller that does not answer in time is waited for once; a rig that sends no SYNC once, too: then time goes on as the machine's
-/// does, so that time-outs end as they must.
+/// A controller that does not answer in time is waited for only once, and so is a rig that sends no SYNC: time then follows the machine's clock, so
+/// that time-outs still expire.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace rig::bridge {
 class Lockstep {
   public:
     using Time = antiskid::can::Time;
-    /// `layout` must outlive it and have a SYNC with a number. `step`: between two turns; `patience`: with who does not answer.
+    /// `layout` must outlive it and have a SYNC with a number. `step`: time between two turns; `patience`: longest wait for an answer.
     Lockstep(const antiskid::can::Layout& layout, Time period, Time step, Time patience)
         : layout_(layout),
           period_(period),
@@ -25,7 +25,7 @@ class Lockstep {
           patience_(patience),
           every_(static_cast<std::uint32_t>(std::max<std::int64_t>(step / period, 1))) {}
 
-    /// Plain frames in the order of the bus.
+    /// Takes plain data frames in bus order.
     void hear(const antiskid::can::Frame& frame) {
         using antiskid::can::Role;
         if (frame.id == layout_[Role::sync].id) count_sync(antiskid::can::Payload(frame.data));
@@ -35,19 +35,19 @@ class Lockstep {
     }
 
     [[nodiscard]] bool due() const { return due_; }
-    /// The turn that is now over, for `bridge_turn`.
+    /// Ends the turn; returns its number for the register `bridge_turn`.
     std::uint16_t taken() {
         asked_ = due_ = false;
         return syncs_ == 0 ? kJoined : turn_number(number_, every_);
     }
 
-    /// How long to wait for a turn that is not due, by the machine's clock.
+    /// Longest wait for the next turn, by the machine's clock.
     [[nodiscard]] Time patience() const {
         constexpr Time kStart{30'000'000'000};
         if (syncs_ == 0 && !alone_) return kStart;
         return alone_ ? step_ : patience_;
     }
-    /// It was waited for in vain, `passed` since the last turn.
+    /// Call if the wait timed out, `passed` after the last turn.
     void gave_up(Time passed) {
         if (asked_) {
             controller_answers_ = false;
@@ -66,8 +66,8 @@ class Lockstep {
         const auto number = static_cast<std::uint32_t>(payload.read(layout_.sync_counter));
         const auto mask = static_cast<std::uint32_t>(layout_.sync_counter.mask());
         std::uint32_t passed = syncs_ == 0 ? 1 : (number - number_) & mask;
-        if (passed == 0) return;            // a rig that is not sure to be heard repeats its first
-        if (passed > mask / 2) passed = 1;  // the rig counts anew
+        if (passed == 0) return;            // the rig repeats its first SYNC until it is answered
+        if (passed > mask / 2) passed = 1;  // the rig has restarted its count
         now_ += static_cast<std::int64_t>(passed) * period_;
         syncs_ += passed;
         number_ = number;
@@ -87,7 +87,7 @@ class Lockstep {
     bool asked_ = false;  // the newest SYNC asks for a turn
     bool due_ = false;
     bool controller_answers_ = true;
-    bool alone_ = false;  // no SYNC comes
+    bool alone_ = false;  // no SYNC arrives
 };
 
 }  // namespace rig::bridge

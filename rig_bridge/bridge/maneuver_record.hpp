@@ -1,4 +1,4 @@
-/// What a maneuver leaves: its summary, whether it came to its end or a dead bridge left it, and the way of that into summary.json and ledger.
+/// Makes the summary of a maneuver, completed or left by a bridge that died, and enters it into summary.json and ledger.
 #pragma once
 
 #include <cstdint>
@@ -18,23 +18,23 @@ namespace rig::bridge {
 /// One maneuver to run.
 struct ManeuverRequest {
     rig::Plan plan;
-    std::string campaign;  ///< empty: a single one
+    std::string campaign;  ///< empty: a single maneuver
     std::int64_t number = 1;
     std::filesystem::path folder;
     record::Specimen specimen;
-    double taken_J = 0.0;  ///< brake energy of the campaign before it
+    double taken_J = 0.0;  ///< brake energy of the campaign before this maneuver
     std::optional<CampaignView> view;
 };
 
-/// Of a sequence that is over. `whole`: nothing of its record is missing; else the outcome is record::kRecordLost.
+/// Summary of a completed sequence. `whole`: its record is complete; otherwise the outcome is record::kRecordLost.
 [[nodiscard]] record::Summary summary_of(const BridgeSetup& setup, const ManeuverRequest& request, const rig::Sequencer& sequencer,
                                          const std::string& started, const Recording& recording, bool whole);
 
-/// Of an attempt that a dead bridge left, from its bus log; none where there is no braking in it. Throws as replay::meter_log does.
+/// Summary of an attempt left by a bridge that died, from its bus log; none if the log has no braking. Throws as replay::meter_log().
 [[nodiscard]] std::optional<record::Summary> summary_of_left(const BridgeSetup& setup, const record::Attempt& left, const std::filesystem::path& log);
 
-/// Into summary.json, then into the ledger: a bridge that dies in between is taken up by the file. A record that is not whole is entered as
-/// unfinished, without the file. Throws settings::Error or record::LedgerError.
+/// Writes summary.json, then the ledger: if the bridge dies in between, the next one enters the file. An incomplete record is entered as unfinished,
+/// without summary.json. Throws settings::Error or record::LedgerError.
 void enter(record::Ledger& ledger, const std::filesystem::path& folder, const record::Summary& summary,
            const settings::Storage& storage = settings::PosixStorage{});
 

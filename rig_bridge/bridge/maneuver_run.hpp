@@ -1,5 +1,5 @@
-/// One maneuver as the main loop runs it: the wait before it, its sequence, and when its record ends. Pure: moments in, decisions out; knows no
-/// thread, clock or terminal.
+/// One maneuver in the main loop: the wait before it, its sequence, and the end of its record. Pure: moments in, decisions out; independent of
+/// threads, clocks and terminal.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +15,29 @@ namespace rig::bridge {
 
 class ManeuverRun {
   public:
-    /// `now_s`: Moment::rig_s when its wait begins.
+    /// `now_s`: Moment::rig_s at the beginning of the wait.
     ManeuverRun(const rig::Plan& plan, double now_s) : plan_(plan), began_s_(now_s) {}
 
-    /// After a step without a sequencer, whether begin() may follow: the controller knows the bridge, and the brake is cold, or did not cool in time,
-    /// or nothing is heard of the PLC; then the sequencer says so.
+    /// After a step without a sequencer, whether begin() may follow: the controller receives the bridge, and the brake is cold. Also true if the
+    /// brake does not cool in time or the PLC is silent; the sequencer then reports that.
     [[nodiscard]] bool ready(const Moment& moment) const;
-    /// For people; empty while the bridge makes itself known.
+    /// What is waited for, for people; empty while the controller does not yet receive the bridge.
     [[nodiscard]] std::string waits_for(const Moment& moment) const;
 
     void begin() { sequencer_.emplace(plan_); }
-    /// For each step; none before begin().
+    /// To pass to each step; null before begin().
     [[nodiscard]] rig::Sequencer* sequencer() { return sequencer_ ? &*sequencer_ : nullptr; }
     [[nodiscard]] const rig::Sequencer* sequencer() const { return sequencer_ ? &*sequencer_ : nullptr; }
 
-    /// After each step: what is new of the PLC goes into `samples`, stamped `at`, while the record lasts. True: it ends with this step.
+    /// Call after each step: writes new PLC values to `samples`, stamped `at`, while recording. True if the record ends with this step.
     bool follow(const Moment& moment, antiskid::can::Time at, record::SampleLog& samples);
-    /// The record goes on; its end is some steps after that of the sequence, so that it has the last phase.
+    /// Whether the record continues; it ends some steps after the sequence, so that it includes the last phase.
     [[nodiscard]] bool recording() const { return sequencer_ && resting_ <= kTail; }
     [[nodiscard]] bool over() const { return sequencer_ && sequencer_->over() && resting_ > kTail; }
 
-    /// Waits for the disk.
+    /// Finishes both files; waits for the disk.
     void finish(record::BusLog& log, record::SampleLog& samples);
-    /// Why the record is not whole; empty: it is. The next step is to abort then.
+    /// Why the record is incomplete; the next step must then abort. Empty: it is complete.
     [[nodiscard]] const std::string& record_error() const { return record_error_; }
 
   private:

@@ -1,5 +1,5 @@
-/// What an abort cause or a fault of the controller means in plain words, and what to do next: one table, shown when the abort appears, and
-/// printed in docs/user/next_steps.md. Pure.
+/// Meaning of each abort cause and controller fault in plain words, and what to do next: one table, shown with the abort and printed in
+/// docs/user/next_steps.md. Pure.
 #pragma once
 
 #include <string>
@@ -18,11 +18,10 @@ struct NextStep {
 [[nodiscard]] NextStep next_step(rig::Abort abort);
 [[nodiscard]] NextStep next_step(antiskid::control::Fault fault);
 
-/// What a phase waits for to be over; what a phase_timeout lacked.
+/// The condition that ends a phase, which was not met if the phase timed out.
 [[nodiscard]] std::string_view awaited(rig::Phase phase);
 
-/// For the terminal, at the abort that ended `phase`: cause, what it means, what to do; with controller_fault each of `faults` on a line of
-/// its own.
+/// Text for the terminal after an abort in `phase`: cause, meaning, what to do; with controller_fault one line for each of `faults`.
 [[nodiscard]] std::string advice(rig::Abort abort, rig::Phase phase, antiskid::control::FaultSet faults);
 
 }  // namespace rig::bridge

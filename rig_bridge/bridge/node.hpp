@@ -1,5 +1,5 @@
-/// The bridge's main loop, one step of 10 ms: looks at PLC and bus, asks the sequencer, tells PLC and controller. Knows no thread, file or
-/// clock; the step's time is handed in.
+/// One 10 ms step of the bridge's main loop: reads PLC and bus, steps the sequencer, commands PLC and controller. Independent of threads, files and
+/// clocks; the step's time is passed in.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace rig::bridge {
 
-/// Everything that was known and decided in one step.
+/// Inputs and decisions of one step.
 struct Moment {
     antiskid::can::Time now{};  ///< steady clock
     double rig_s = 0.0;         ///< see RigTime
@@ -36,9 +36,9 @@ class Node {
     struct Wishes {
         std::int64_t number = 0;  ///< of the maneuver, for the bus
         bool abort = false;
-        bool reset = false;  ///< lead a tripped PLC back while nothing is on
+        bool reset = false;  ///< reset a tripped PLC while nothing is on
     };
-    /// One step at `now`. No sequencer: everything is off and the phase is `idle`.
+    /// Makes one step at `now`. Null `sequencer`: everything is off and the phase is `idle`.
     const Moment& step(rig::Sequencer* sequencer, const Wishes& wishes, antiskid::can::Time now);
 
     [[nodiscard]] const Moment& moment() const { return moment_; }
@@ -58,7 +58,7 @@ class Node {
     RigTime time_;
     ResetRequest reset_;
     Moment moment_;
-    rig::Phase said_ = rig::Phase::idle;  // by the newest command
+    rig::Phase said_ = rig::Phase::idle;  // phase in the newest command
     std::uint64_t steps_ = 0;
     std::uint64_t load_cell_steps_ = 1;
     std::uint64_t foreign_commands_ = 0;  // at the last step

@@ -1,4 +1,4 @@
-/// Recorded maneuvers of a folder, as the panel asks for them: all texts are JSON.
+/// The recorded maneuvers of a folder for the panel. All returned texts are JSON.
 #pragma once
 
 #include <cstdint>
@@ -17,21 +17,21 @@ namespace rig::bridge {
 
 class PanelRecordings {
   public:
-    /// `folder` has campaign.sqlite, a campaign's. Without one its maneuvers are the folders with a summary.json, `folder` itself and two levels
-    /// below it, as `rig-bridge maneuver`, `rig-lab maneuver` and `rig-replay import` leave them. Throws settings::Error when it has neither.
-    /// Scenarios are those of `config`, and the one that is `known` by its name.
+    /// `folder` holds a campaign's campaign.sqlite. Without one, its maneuvers are the folders with a summary.json, in `folder` itself and two levels
+    /// below, as `rig-bridge maneuver`, `rig-lab maneuver` and `rig-replay import` write them. Throws settings::Error if it has neither. Scenarios
+    /// are read from `config`, except `known`.
     PanelRecordings(const std::filesystem::path& folder, std::filesystem::path config, const antiskid::can::Layout& layout,
                     std::optional<Scenario> known = {});
 
-    /// Whether notes can be kept.
+    /// Whether there is a ledger, so that notes can be kept.
     [[nodiscard]] bool with_ledger() const;
     /// Every attempt of every campaign: {"runs":[{campaign, number, attempt, state, configuration, figures, notes, ...}]}. Without a ledger
     /// `campaign` is the maneuver's folder and `number` its place in the list.
     [[nodiscard]] std::string runs() const;
-    /// {"columns":{...},"asked":{...}} out of its bus log: signals, and what the controller was told to do. One at a time: who records needs the
-    /// processor, too. Throws where there is no such attempt or no log of it.
+    /// {"columns":{...},"asked":{...}} out of its bus log: signals, and what the controller was told to do. One call at a time, to leave processor
+    /// time to a recording bridge. Throws if there is no such attempt or no log of it.
     [[nodiscard]] std::string run(const std::string& campaign, std::int64_t number, std::int64_t attempt) const;
-    /// Into the ledger. Throws record::LedgerError where there is none or a bridge has it, std::invalid_argument for a text that is none.
+    /// Adds a note to the ledger. Throws record::LedgerError if there is none or a bridge holds it, std::invalid_argument for an invalid text.
     [[nodiscard]] std::string note(const std::string& campaign, std::int64_t number, std::int64_t attempt, const std::string& who,
                                    const std::string& text) const;
 
@@ -50,7 +50,7 @@ class PanelRecordings {
     mutable std::mutex reading_;
 };
 
-/// Adds the view "recorded" with what it reads. `recordings` must outlive the server.
+/// Adds the view "recorded" and its data. `recordings` must outlive the server.
 void add_recorded(panel::ServerOptions& options, const PanelRecordings& recordings);
 
 }  // namespace rig::bridge

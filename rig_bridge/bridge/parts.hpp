@@ -1,4 +1,4 @@
-/// What the bridge's main loop sees of its two other threads, and of nothing else: the PLC's registers and the bus.
+/// Interfaces of the bridge's main loop to its two other threads: the PLC's registers and the bus.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace rig::bridge {
 
-/// The PLC's client; neither call waits.
+/// The PLC's client. Calls do not block.
 class Plc {
   public:
     virtual ~Plc() = default;
@@ -17,16 +17,16 @@ class Plc {
     [[nodiscard]] virtual modbus::Snapshot snapshot() const = 0;
 };
 
-/// The bus as the recorder has it now.
+/// State of the bus by the recorder.
 struct BusNow {
     bool up = false;
     std::string error;            ///< why it is not up
-    antiskid::can::BusView view;  ///< times of reception by the steady clock
-    /// When everything that had arrived was in `view`: ages count to here, so that a reader that was held up takes nobody for silent.
+    antiskid::can::BusView view;  ///< reception times on the steady clock
+    /// Time at which `view` contained everything that had arrived. Ages are relative to it, so that a delayed reader takes no sender for silent.
     antiskid::can::Time looked = antiskid::control::kNever;
-    /// Why status frames of the controller that came lately were refused, as RejectedFrames names it; empty: none was.
+    /// Why recent status frames of the controller were refused, by RejectedFrames; empty: none was.
     std::string controller_rejected;
-    /// What shows that there are two, as WhoSends says it; empty: nothing does. The bridge's own commands are among those that are heard.
+    /// Evidence of two controllers, by WhoSends; empty: none. The bridge's own frames are received too.
     std::string two_controllers;
     std::string two_bridges;
     double rim_mps = 0.0;        ///< flywheel, by its encoder
@@ -34,11 +34,11 @@ struct BusNow {
     double wheel_rim_mps = 0.0;  ///< r(F_z) omega
     double slip = 0.0;           ///< eq. (3), by both encoders
     std::uint64_t syncs = 0;     ///< SYNC frames so far
-    /// Of the recording: its time stamps are the monotonic clock's plus this.
+    /// Offset of the recording's time stamps from the monotonic clock.
     antiskid::can::Time wall_minus_monotonic{};
     std::uint64_t frames = 0;     ///< of the recording
     std::uint64_t dropped = 0;    ///< by the kernel, in the recording
-    std::uint64_t missing = 0;    ///< that the disk did not take
+    std::uint64_t missing = 0;    ///< frames that could not be written
     std::string recording_error;  ///< why
 };
 

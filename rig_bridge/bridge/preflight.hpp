@@ -1,5 +1,5 @@
-/// `rig-bridge preflight`: PLC, bus, controller, ledger and computer before the wheel turns. Reads only: nothing is commanded, no register
-/// written, no frame sent. Facts in, checks out; preflight_verb.cpp brings the facts of the world, tests their own.
+/// `rig-bridge preflight`: PLC, bus, controller, ledger and computer before the wheel turns. Read-only: no register is written, no frame sent. Facts
+/// in, checks out; preflight_verb.cpp gathers the real facts, tests supply their own.
 #pragma once
 
 #include <array>
@@ -24,12 +24,12 @@ namespace rig::bridge {
 using antiskid::controller::Check;
 using antiskid::controller::Checks;
 
-/// A second of listening to everybody.
+/// Result of listening to the bus for a second.
 struct BusReception {
     std::string rejection;  ///< why nothing could be heard
     antiskid::can::BusView view;
     std::array<antiskid::can::MessageStats, antiskid::can::kRoleCount> stats{};
-    std::string two_controllers;  ///< what shows that there are; empty: nothing does
+    std::string two_controllers;  ///< evidence of them; empty: none
     antiskid::can::Time until{};  ///< when listening ended, on the clock of the frames
 
     [[nodiscard]] const antiskid::can::MessageStats& of(antiskid::can::Role role) const { return stats[static_cast<std::size_t>(role)]; }
@@ -37,7 +37,7 @@ struct BusReception {
 
 struct LedgerFacts {
     bool there = false;
-    std::string rejection;  ///< damaged, held, or not to be written
+    std::string rejection;  ///< why it cannot be used: damaged, held or not writable
     std::vector<record::Campaign> campaigns;
 };
 
@@ -45,26 +45,26 @@ struct PreflightContext {
     std::function<antiskid::controller::MachineFacts(const antiskid::controller::MachineNeeds&)> machine;
     std::function<antiskid::controller::CanLink(const std::string& interface)> link;
     std::function<LedgerFacts(const std::filesystem::path&)> ledger;
-    /// After it has been looked at for a while, without a word to it.
+    /// Reads the PLC for a while without writing to it.
     std::function<modbus::Snapshot(const BridgeSetup&)> plc;
     std::function<BusReception(const BridgeSetup&)> bus;
-    /// Who has the rig already, as rig_held() says it; empty: nobody.
+    /// Who holds the rig, by rig_held(); empty: nobody.
     std::function<std::string(const BridgeSetup&)> holder;
 };
 
 /// Link, map version, heartbeat, plausible registers, each interlock, state, and the rig at rest.
 [[nodiscard]] Checks plc_checks(const modbus::Snapshot& plc, const BridgeSetup& setup);
-/// No other bridge of this computer has the rig.
+/// Checks that no other bridge on this computer holds the rig.
 [[nodiscard]] Check free_check(const std::string& holder);
-/// No other bridge talks on the bus, and one controller at the most.
+/// Checks that no other bridge and at most one controller sends on the bus.
 [[nodiscard]] Check only_bridge_check(const BusReception& reception);
 [[nodiscard]] Check only_controller_check(const BusReception& reception);
-/// Sensors and controller are heard, the controller has no fault, and there is no other of it or of the bridge.
+/// Checks that frames of sensors and controller arrive, the controller has no fault, and there is no second controller or bridge.
 [[nodiscard]] Checks bus_checks(const BusReception& reception, const BridgeSetup& setup);
-/// Whole, free, writable; and of this configuration where it has this scenario's campaign. `ledger`: empty: none is asked for.
+/// Checks that the ledger is undamaged, free and writable, and a campaign of this scenario has this configuration. `ledger` empty: no check.
 [[nodiscard]] Checks ledger_checks(const LedgerFacts& facts, const std::filesystem::path& ledger, const BridgeSetup& setup);
 
-/// A configuration that cannot be read is a check that failed.
+/// An unreadable configuration is reported as a failed check.
 [[nodiscard]] antiskid::controller::Report preflight_report(const PreflightCommand& command, const PreflightContext& context);
 
 }  // namespace rig::bridge

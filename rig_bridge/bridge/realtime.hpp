@@ -1,4 +1,4 @@
-/// Asks the system for what a steady 10 ms needs; says what it refused and goes on without.
+/// Requests real-time scheduling for the 10 ms loop; reports refusals and continues without it.
 #pragma once
 
 #include "firmware/host/realtime.hpp"
@@ -6,7 +6,7 @@
 
 namespace rig::bridge {
 
-/// For the calling thread and all that it starts later.
+/// For the calling thread and those that it starts later.
 inline void enter_realtime(int priority, Terminal& terminal) {
     if (priority == 0) return;
     for (const std::string& rejected : antiskid::host::enter_realtime({.priority = priority, .cpu = {}})) terminal.say("rig-bridge: " + rejected);

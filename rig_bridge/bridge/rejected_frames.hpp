@@ -1,4 +1,4 @@
-/// Frames of one message that come and are refused, and why: to whoever takes only good frames they are silence. Pure.
+/// Why frames of one message are refused, to tell a sender of bad frames from a silent one. Pure.
 #pragma once
 
 #include <string>
@@ -13,10 +13,10 @@ class RejectedFrames {
     /// `layout` must outlive it.
     RejectedFrames(const antiskid::can::Layout& layout, antiskid::can::Role role);
 
-    /// Every frame on the bus in its order, `received` by one clock; `stats` of the message after it.
+    /// Takes every frame in bus order, with `received` on one clock; `stats`: of the message, after this frame.
     void accept(const antiskid::can::Frame& frame, const antiskid::can::MessageStats& stats);
 
-    /// "counter", "CRC", "length", "value": of the newest; empty: none was refused since `since`.
+    /// "counter", "CRC", "length" or "value": reason for the newest refused frame; empty: none was refused since `since`.
     [[nodiscard]] std::string reason(antiskid::can::Time since) const;
 
   private:

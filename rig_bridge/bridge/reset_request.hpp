@@ -1,8 +1,8 @@
-/// When the bridge leads a tripped PLC back to `ready`.
+/// Decides when the bridge resets a tripped PLC to `ready`.
 ///
-/// The PLC trips whenever a bridge leaves, so that a trip alone tells nobody that something is wrong: the interlocks do. A reset is asked
-/// for only while nothing is on, every interlock is good, and whoever started the bridge allows it; never during a maneuver. The PLC takes
-/// its rising edge, so it is withdrawn and asked for again.
+/// The PLC trips whenever a bridge ends, so that a trip alone indicates no problem; an open interlock does. A reset is requested only if nothing is
+/// on, every interlock is good and the operator allows it; never during a maneuver. The PLC acts on the rising edge, so the request is withdrawn and
+/// repeated.
 #pragma once
 
 namespace rig::bridge {
@@ -26,7 +26,7 @@ class ResetRequest {
     }
 
   private:
-    static constexpr double kPause_s = 0.1;  // longer than the PLC takes to see that it is withdrawn
+    static constexpr double kPause_s = 0.1;  // longer than the PLC needs to see the withdrawal
     static constexpr double kHold_s = 1.0;   // longer than a commit may take
     bool waiting_ = false;
     bool asking_ = false;

@@ -1,4 +1,4 @@
-/// The rig's own time: control periods where SYNC frames count them, else the machine's clock.
+/// Rig time: counted in control periods by SYNC frames if there are any, else by the machine's clock.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,10 @@ namespace rig::bridge {
 
 class RigTime {
   public:
-    /// `patience_s`: without a SYNC for so long, the machine's clock counts again.
+    /// `patience_s`: after this time without SYNC the machine's clock is used again.
     explicit RigTime(double period_s, double patience_s = 0.2) : period_s_(period_s), patience_s_(patience_s) {}
 
-    /// Time now, s. Neither argument may fall; `syncs`: SYNC frames so far.
+    /// Rig time, s. Neither argument may decrease; `syncs`: SYNC frames so far.
     double at(double wall_s, std::uint64_t syncs) {
         if (!started_) {
             started_ = true;

@@ -1,7 +1,7 @@
-/// Whether one program sends an identifier, or several do: by alive counters that each go on by one, turn by turn. Pure.
+/// Detects whether several programs send the same identifier: alternating alive counters that each advance by one. Pure.
 ///
-/// A sender whose frames are lost, late, doubled or damaged now and then, or that starts anew, is one: its counter never goes on in two places
-/// by turns. Fourteen frames of two in a row tell them, wherever their counters stand; a counter of 2 bits tells nothing.
+/// Occasional lost, late, doubled or damaged frames, or a restart, do not make one sender look like two: its counter does not advance alternately in
+/// two places. Fourteen consecutive frames of two senders suffice, whatever their counters; a counter of 2 bits is too short.
 #pragma once
 
 #include <array>
@@ -17,18 +17,18 @@ class Senders {
     /// `message` must outlive it.
     explicit Senders(const antiskid::can::Message& message);
 
-    /// Every frame on the bus, in its order; those of others, damaged ones and repeats of single frames say nothing.
+    /// Takes every frame in bus order; other messages, damaged frames and repeats of single frames are ignored.
     void accept(const antiskid::can::Frame& frame);
 
     [[nodiscard]] bool several() const;
-    /// "two senders of 0x180, at counters 3 and 9"; "every frame of 0x180 comes twice, at counter 3", where both say the same, which may also be
-    /// one sender and somebody who repeats it; empty: there is one, or none.
+    /// "two senders of 0x180, at counters 3 and 9"; "every frame of 0x180 comes twice, at counter 3", if both send the same counter (or one program
+    /// repeats the other's frames); empty: one sender or none.
     [[nodiscard]] std::string text() const;
 
   private:
     struct Chain {
         std::uint32_t counter = 0;
-        std::uint32_t run = 0;     ///< frames that went on by one
+        std::uint32_t run = 0;     ///< frames whose counter advanced by one
         std::uint64_t newest = 0;  ///< number of its newest frame; 0: none
         std::array<std::uint8_t, 8> data{};
     };
@@ -36,16 +36,16 @@ class Senders {
     void follow(const antiskid::can::Frame& frame, std::uint32_t counter);
 
     const antiskid::can::Message& message_;
-    std::uint64_t kept_;  // frames of others that may come between two of a sender
+    std::uint64_t kept_;  // largest number of other senders' frames between two of one sender
     std::uint64_t frames_ = 0;
     std::array<Chain, 3> chains_{};
     std::size_t last_ = 0;    // the chain of the newest frame
-    std::size_t before_ = 0;  // the one whose turn it was before
+    std::size_t before_ = 0;  // the chain before that
     std::uint32_t turns_ = 0;
     bool repeated_ = false;  // the newest two of one counter had the same bytes
 };
 
-/// What only one program of a rig may send, by its identifiers.
+/// Detects second senders of messages that only one program of a rig may send.
 class WhoSends {
   public:
     /// `layout` must outlive it.

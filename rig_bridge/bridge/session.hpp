@@ -1,6 +1,6 @@
-/// The bridge at work: PLC client, bus recorder and main loop, for as many maneuvers as wanted. While one of its calls runs, the loop keeps
-/// its step, so that neither PLC nor controller takes the bridge for dead; slow work (disk, ledger) goes through meanwhile(). In lockstep
-/// the rig waits for each step, and so for slow work, as long as its time-out allows.
+/// Runs PLC client, bus recorder and main loop for any number of maneuvers. The loop keeps its step during every call, so that neither PLC nor
+/// controller loses the bridge; slow work (disk, ledger) must run in meanwhile(). In lockstep the rig waits for each step, and so for slow work, up
+/// to its time-out.
 #pragma once
 
 #include <filesystem>
@@ -31,39 +31,38 @@ namespace rig::bridge {
 
 struct Ran {
     record::Summary summary;
-    /// Why the record is not whole (the disk is full): the maneuver does not count then. Empty: it is.
+    /// Why the record is incomplete (e.g. disk full); the maneuver then does not count. Empty: it is complete.
     std::string record_error;
     Trace trace;
-    std::string note;     ///< where it was aborted, and what was seen then
+    std::string note;     ///< phase of the abort, and what was observed
     std::string advice;   ///< what the abort means and what to do next
-    std::string outside;  ///< figures out of tolerance with their bands
+    std::string outside;  ///< figures out of tolerance, with their bands
 };
 
-/// The second Ctrl-C.
+/// Thrown after the second Ctrl-C.
 struct EndAtOnce {};
 
 class Session {
   public:
-    /// Throws std::runtime_error naming the interface, or std::invalid_argument for a PLC address that is none.
-    /// `panel`: none: there is none.
+    /// Throws std::runtime_error naming the interface, or std::invalid_argument for an invalid PLC address. `panel` may be null.
     Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, BridgePanel* panel);
     ~Session();
 
-    /// Waits until the brake is cold enough (or nothing is heard of the PLC), then runs the maneuver to its end, safe end included, and
-    /// closes its records. Throws std::runtime_error when the record cannot be begun, EndAtOnce.
+    /// Waits until the brake is cold enough (or the PLC is silent), then runs the maneuver up to and including its safe end, and closes its records.
+    /// Throws std::runtime_error if the record cannot be started, and EndAtOnce.
     [[nodiscard]] Ran run(const ManeuverRequest& request);
 
-    /// After an abort, with its record closed: shows the rim's speed until it stands, until nobody knows it, or until somebody wants the
-    /// program to end, and says how the rim is left. Everything is off meanwhile.
+    /// After an abort, with its record closed: shows the rim speed until the rim stands, its speed is unknown or a stop is requested, then reports
+    /// the state of the rim. Everything is off meanwhile.
     void watch_rim(double standstill_mps);
 
-    /// What the panel says between two maneuvers, e.g. who holds the campaign; empty: nothing.
+    /// Text on the panel between two maneuvers, e.g. who holds the campaign; empty: none.
     void rest_note(std::string note) { rest_note_ = std::move(note); }
 
-    /// Runs `work` on another thread while the loop goes on; rethrows what it throws.
+    /// Runs `work` on another thread while the loop continues; rethrows its exception.
     void meanwhile(const std::function<void()>& work);
 
-    /// After an abort, with its record closed: the operator's program, if there is one. `outcome`: what becomes of it, for people.
+    /// After an abort, with its record closed: runs the operator's program, if any. `outcome`: what the campaign does next, for people.
     void tell_of_abort(const Ran& ran, const std::filesystem::path& folder, const std::string& outcome);
 
   private:
@@ -72,7 +71,7 @@ class Session {
     void await_ready(const ManeuverRequest& request, const ManeuverRun& run);
     void meanwhile(const std::function<void()>& work, rig::Sequencer* sequencer, const ManeuverRequest* request);
     void show(const ManeuverRequest& request, const Moment& moment, const std::string& waiting_for);
-    /// Of whom a view is wanted now: terminal or panel.
+    /// Whether terminal or panel needs a new view now.
     [[nodiscard]] bool view_due(const Moment& moment, rig::Phase phase, rig::Abort abort) const;
     void present(const ViewModel& view, const Moment& moment);
     void tell_panel(const Moment& moment, bool resting);
@@ -91,9 +90,9 @@ class Session {
     Node node_;
     antiskid::host::PeriodicTimer timer_;
 
-    // Of the maneuver that runs.
+    // State of the running maneuver.
     bool abort_ = false;
-    bool second_sender_ = false;  // was named
+    bool second_sender_ = false;  // has been reported
     std::string record_error_;
     std::string note_;
     std::string advice_;

@@ -1,5 +1,5 @@
-/// What of `rig-bridge preflight` runs at every start of a maneuver or campaign: all that costs no more than a third of a second and says
-/// nothing of a rig that is still on its way to rest. docs/user/bridge.md has the list, and why the others are not in it.
+/// The checks of `rig-bridge preflight` that run at every start of a maneuver or campaign: those that take at most a third of a second and do not
+/// need a rig at rest. docs/user/bridge.md lists them and says why the others are not included.
 #pragma once
 
 #include <stdexcept>
@@ -9,25 +9,25 @@
 
 namespace rig::bridge {
 
-/// For `length`; sends nothing.
+/// Listens to the bus for `length`; sends nothing.
 [[nodiscard]] BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length);
 
 struct StartFacts {
     antiskid::controller::CanLink link;
-    antiskid::controller::MachineFacts machine;  ///< of the record's place
+    antiskid::controller::MachineFacts machine;  ///< of the directory of the record
     BusReception bus;
 };
 
-/// Interface, disk, no second bridge on the bus, no second controller. `record`: where the record goes.
+/// Checks interface, disk, and that no second bridge or controller is on the bus. `record`: directory of the record.
 [[nodiscard]] Checks start_checks(const StartFacts& facts, const std::string& interface, const std::filesystem::path& record);
 
-/// The start is refused: each check that failed, with its next step.
+/// The start is refused; the text lists each failed check and what to do.
 class NotFit : public std::runtime_error {
   public:
     explicit NotFit(const Checks& checks);
 };
 
-/// Asks this computer, and listens to the bus for a third of a second. Throws NotFit.
+/// Checks this computer and listens to the bus for a third of a second. Throws NotFit.
 void check_start(const BridgeSetup& setup, const std::filesystem::path& record);
 
 }  // namespace rig::bridge

@@ -1,4 +1,4 @@
-/// How far a ledger's campaigns are, for people and as JSON.
+/// Progress of a ledger's campaigns, for people and as JSON.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace rig::bridge {
 
-/// Both read the ledger without disturbing a bridge that writes it; throw settings::Error. A maneuver that is `running` in the ledger, while
-/// nobody holds it, is `left`.
+/// Both read the ledger without disturbing a bridge that writes it; they throw settings::Error. A maneuver `running` in a ledger that no process
+/// holds is shown as `left`.
 [[nodiscard]] std::string status_text(const std::filesystem::path& ledger);
 [[nodiscard]] std::string status_json(const std::filesystem::path& ledger);
 

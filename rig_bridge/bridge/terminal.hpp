@@ -1,5 +1,5 @@
-/// The view on standard error: a block that is drawn over itself on a terminal; elsewhere a plain line a second and one for every new
-/// phase. Never waits for whoever reads: what does not fit now is left out.
+/// The view on standard error: on a terminal a block that is redrawn in place; otherwise a plain line every second and at every new phase. Never
+/// blocks: output that the reader has no room for is skipped.
 #pragma once
 
 #include <optional>
@@ -12,23 +12,23 @@ namespace rig::bridge {
 
 class Terminal {
   public:
-    /// `descriptor`: where to, e.g. STDERR_FILENO. `live`: whatever it is.
+    /// `descriptor`: output, e.g. STDERR_FILENO. `live`: redraw in place; none: only if it is a terminal.
     explicit Terminal(int descriptor, std::optional<bool> live = std::nullopt);
 
-    /// Whether show() would draw now: building a ViewModel costs.
+    /// Whether show() would draw now, to avoid building a ViewModel in vain.
     [[nodiscard]] bool due(double now_s, rig::Phase phase, rig::Abort abort) const;
     void show(const ViewModel& view, double now_s);
-    /// The same of lines that are made already, on a terminal that is live.
+    /// Draws ready-made lines on a live terminal.
     void draw(const std::vector<std::string>& lines);
-    /// The terminal's bell; nothing elsewhere.
+    /// Rings the terminal's bell; no effect elsewhere.
     void ring();
-    /// A line that stays.
+    /// Prints a line that stays above the block.
     void say(const std::string& text);
-    /// The block stays as it is; what comes next starts below it.
+    /// Leaves the block on the screen; further output starts below it.
     void leave();
 
   private:
-    /// Of the terminal, else of the environment's COLUMNS.
+    /// Width of the terminal, else the environment's COLUMNS.
     [[nodiscard]] std::size_t columns() const;
     void write(const std::string& text);
 

@@ -1,4 +1,4 @@
-/// The course of a maneuver from touchdown to retract as the main loop saw it, every step: for a picture, not for figures.
+/// Samples of a maneuver from touchdown to retract, one per step of the main loop: for a picture, not for figures.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,11 @@ class Trace {
   public:
     void record(const Moment& moment);
 
-    /// Time since touchdown began.
+    /// Rows with time since touchdown.
     [[nodiscard]] std::vector<pictures::StopRow> rows() const;
     /// The same rows with load and torque.
     [[nodiscard]] std::string csv() const;
-    /// On the same clock; 0 without brake-on.
+    /// Time of brake-on since touchdown, s; 0 without brake-on.
     [[nodiscard]] double brake_on_s() const { return brake_on_s_.value_or(0.0); }
     [[nodiscard]] bool empty() const { return rows_.empty(); }
 

@@ -1,4 +1,4 @@
-/// Between the sequencer's words and those of the PLC and the bus. Pure.
+/// Converts between the sequencer's inputs and outputs and those of PLC and bus. Pure.
 #pragma once
 
 #include "firmware/can/rig_sample.hpp"
@@ -7,20 +7,20 @@
 
 namespace rig::bridge {
 
-/// How old a value may be and still count, s of the machine's time: config/bridge.toml and plc_timeout of the register map.
+/// Largest ages of valid values, s of the machine's clock: from config/bridge.toml and plc_timeout of the register map.
 struct Freshness {
     double registers_s = 0.5;
     double sensors_s = 0.3;
     double controller_s = 0.3;
-    double commit_s = 1.0;  ///< until the PLC has confirmed a command
+    double commit_s = 1.0;  ///< until the PLC must have confirmed a command
     double load_cells_s = 0.1;
     double watchdog_s = 0.3;
-    double recorder_s = 0.5;  ///< the recorder's thread stands still: nothing on the bus counts
+    double recorder_s = 0.5;  ///< of the recorder's view: beyond it the recorder hangs and no bus value is valid
 };
 
-/// Every interlock is read, fresh and good.
+/// Whether every interlock is read, fresh and good.
 [[nodiscard]] bool interlocks_good(const modbus::Snapshot& plc, const Freshness& limits);
-/// All registers are fresh and the PLC's watchdog moves.
+/// Whether all registers are fresh and the PLC's watchdog counts.
 [[nodiscard]] bool plc_fresh(const modbus::Snapshot& plc, const Freshness& limits);
 
 /// `now`: steady clock.
@@ -28,11 +28,11 @@ struct Freshness {
 
 [[nodiscard]] CommandedValues commands(const rig::Outputs& out, bool reset);
 
-/// What the bridge says on the bus; load cells apart, see load_cells().
+/// The bridge's values for the bus, without load cells, see load_cells().
 [[nodiscard]] antiskid::can::RigSample telegram(const rig::Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number);
 [[nodiscard]] antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc);
-/// All three read within `load_cells_s`, and plc_watchdog has moved within it: a PLC that stands still answers, too, with readings of before. The
-/// slowest PLC that the register map allows counts each 100 ms, so with a limit of 100 ms the frames of one request may be missing.
+/// Whether all three were read, and plc_watchdog has changed, within `load_cells_s`: a PLC whose program has stopped still answers, with old
+/// readings. plc_watchdog may count only every 100 ms, so with a limit of 100 ms single frames may be missing.
 [[nodiscard]] bool load_cells_fresh(const modbus::Snapshot& plc, const Freshness& limits);
 
 }  // namespace rig::bridge

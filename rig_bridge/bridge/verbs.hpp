@@ -1,4 +1,4 @@
-/// What rig-bridge can be asked to do; each returns the exit status and throws what went wrong.
+/// The verbs of rig-bridge; each returns the exit status and throws on errors.
 #pragma once
 
 #include <stdexcept>
@@ -16,7 +16,7 @@ namespace rig::bridge {
 [[nodiscard]] int watch_rig(const WatchCommand& command);
 [[nodiscard]] int run_preflight(const PreflightCommand& command);
 
-/// Mistakes in files and on the command line: exit status 2.
+/// Error in a file or on the command line: exit status 2.
 class UsageError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;

@@ -1,4 +1,4 @@
-/// What people see of a running maneuver, as text. Pure; terminal.hpp brings it to standard error.
+/// Text view of a running maneuver. Pure; terminal.hpp writes it to standard error.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct CampaignView {
     std::int64_t planned = 0;
     std::optional<double> left_s;  ///< unknown before the first has finished
     std::string regulation{};      ///< how wear is shared, one line; empty where it is not regulated
-    std::string health{};          ///< of the brake, as health_text() says it; empty: nobody judges it
-    std::string landings_left{};   ///< with their interval and the model's name; empty: nobody forecasts
+    std::string health{};          ///< of the brake, by health_text(); empty: not judged
+    std::string landings_left{};   ///< with their interval and the model's name; empty: no forecast
 };
 
 struct ViewModel {
@@ -27,7 +27,7 @@ struct ViewModel {
     std::optional<CampaignView> campaign;
     rig::Phase phase = rig::Phase::idle;
     rig::Abort abort = rig::Abort::none;
-    bool record_lost = false;     ///< `abort` was requested by the bridge: the disk did not take the record
+    bool record_lost = false;     ///< the bridge requested `abort` because the record could not be written
     double time_s = 0.0;          ///< since the maneuver began
     double phase_s = 0.0;         ///< since the phase began
     double prescribed_mps = 0.0;  ///< speed at brake-on
@@ -44,7 +44,7 @@ struct ViewModel {
     std::vector<std::string> faults;
     std::uint64_t frames = 0;
     std::uint64_t dropped = 0;
-    std::string note;  ///< what is waited for, what went wrong
+    std::string note;  ///< what is waited for, or what went wrong
 };
 
 /// The live block, none of its lines wider than `columns`.

@@ -1,4 +1,4 @@
-/// What `rig-bridge watch` shows of a campaign that another terminal runs: text of 80 columns, or a line of JSON. Pure.
+/// View of `rig-bridge watch` on a campaign that runs in another terminal: text of 80 columns, or a line of JSON. Pure.
 #pragma once
 
 #include <cstdint>
@@ -30,19 +30,19 @@ class StripChart {
     static constexpr std::size_t kWidth = 79;
     static constexpr std::size_t kRows = 4;  ///< of each strip
 
-    /// Time that does not grow begins anew.
+    /// Clears the chart if time does not increase.
     void add(const StripSample& sample);
-    /// Three strips and the axis of time; * rim, o wheel, * slip, - its reference, * pressure. Left of what was seen it is empty.
+    /// Three strips and the axis of time; * rim, o wheel, * slip, - its reference, * pressure. Empty before the first sample.
     [[nodiscard]] std::vector<std::string> lines() const;
 
   private:
     std::deque<StripSample> samples_;
 };
 
-/// Who runs the campaign, as bus and ledger say it.
+/// Whether and by whom the campaign is run, by bus and ledger.
 struct BridgeSigns {
-    std::optional<double> silent_s;  ///< since the bus had a frame of it; none: never heard
-    bool with_ledger = false;        ///< whether the rest is known
+    std::optional<double> silent_s;  ///< since its last frame on the bus; none: no frame so far
+    bool with_ledger = false;        ///< whether the members below are known
     bool held = false;               ///< a process has the ledger open for writing
     std::int64_t running = 0;        ///< the maneuver that the ledger has as running; 0: none
 };
@@ -57,7 +57,7 @@ struct Watched {
     std::string specimen;
     std::vector<std::string> outcomes;  ///< the last ones, oldest first: "0007 finished"
     std::string hold;                   ///< as to_text(Hold); empty: it is not held
-    std::string ledger_error;           ///< why it could not be read just now
+    std::string ledger_error;           ///< why it could not be read
     BridgeSigns bridge;
 
     // Of the bus.
@@ -66,7 +66,7 @@ struct Watched {
     std::int64_t number = 0;  ///< of the maneuver
     std::optional<rig::Phase> phase;
     double phase_s = 0.0;      ///< in it
-    bool phase_began = false;  ///< its begin was seen; else it may have lasted longer
+    bool phase_began = false;  ///< its beginning was seen; otherwise it may have lasted longer
     double rim_mps = 0.0;
     double wheel_mps = 0.0;
     double slip = 0.0;
@@ -81,13 +81,13 @@ struct Watched {
     std::optional<antiskid::control::RoadEstimate> road;
 };
 
-/// A bridge whose last frame is no older runs.
+/// Largest age of the last frame of a running bridge.
 inline constexpr double kBridgeSilent_s = 1.0;
 
 [[nodiscard]] inline bool received(const BridgeSigns& signs) {
     return signs.silent_s && *signs.silent_s <= kBridgeSilent_s;
 }
-/// For people: at work, silent, dead, or nobody's.
+/// For people: running, silent, dead, or no bridge.
 [[nodiscard]] std::string to_text(const BridgeSigns& signs);
 
 /// None of its lines wider than 80 columns.

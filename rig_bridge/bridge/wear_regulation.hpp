@@ -1,5 +1,5 @@
-/// A campaign whose slip reference shares wear between brake and tyre, maneuver by maneuver. The regulator's whole state follows from the rows
-/// of the ledger: a bridge that was killed goes on with the reference that it would have had.
+/// Chooses the slip reference of each maneuver of a campaign to share wear between brake and tyre. The regulator's state follows from the rows of the
+/// ledger alone, so that a restarted bridge continues with the same reference.
 #pragma once
 
 #include <filesystem>
@@ -16,13 +16,13 @@ namespace rig::bridge {
 
 class WearRegulation {
   public:
-    /// The scenario's surface is seen beside those of the configuration. Throws settings::Error naming the file for a scenario without the slip law,
-    /// on a surface that the floor's table does not have, or of a brake that has nothing left.
+    /// Adds the scenario's surface to those of the configuration. Throws settings::Error naming the file for a scenario without the slip law, on a
+    /// surface that is not in the floor table, or with a worn-out brake.
     WearRegulation(const wear::RegulationConfig& config, const Scenario& scenario);
 
-    /// As these rows, oldest first, leave it. A finished maneuver is a landing, of which figures that lack frames are not believed; an aborted
-    /// one has spent its energies; the rest has not been. The brake's life is what its friction foretells, where the configuration asks for that and
-    /// the newest kForecasts landings can tell; else the plan's.
+    /// The regulator after these rows, oldest first. A finished maneuver counts as a landing (figures with missing frames are not used), an aborted
+    /// one by its energies, others not at all. The brake's life is forecast from its friction if the configuration asks for it and the newest
+    /// kForecasts landings allow it; else it is the plan's.
     [[nodiscard]] wear::Regulator after(const std::vector<record::LedgerRow>& rows) const;
 
     [[nodiscard]] const wear::WearPlan& plan() const { return plan_; }
@@ -38,10 +38,11 @@ class WearRegulation {
     static constexpr std::size_t kForecasts = 32;  // each costs a millisecond or two
 };
 
-/// For the view and the log: "slip reference 0.262; ...".
+/// Line for the view and the log: "slip reference 0.262; ...".
 [[nodiscard]] std::string line(const wear::Regulator& regulator);
 
-/// What `rig-bridge status` shows beside the ledger: reference, shares, what is left, landings to the limits. Derived: the ledger is the truth.
+/// What `rig-bridge status` shows beside the ledger: reference, shares, what is left, landings to the limits. Derived from the ledger, which is
+/// authoritative.
 [[nodiscard]] inline std::filesystem::path regulation_file(const std::filesystem::path& directory, const std::string& campaign) {
     return directory / campaign / "regulation.json";
 }

@@ -1,4 +1,4 @@
-/// How long to wait before a lost link is tried again.
+/// Waiting times before reconnecting a lost link.
 #pragma once
 
 #include <algorithm>
@@ -10,10 +10,10 @@ class Backoff {
   public:
     using Time = std::chrono::milliseconds;
 
-    /// `least` > 0, `most` >= `least`.
+    /// `min` > 0, `max` >= `min`.
     Backoff(Time min, Time max) : min_(min), max_(max), next_(min) {}
 
-    /// least, twice that, four times, ... up to most.
+    /// `min`, twice that, four times that, ... up to `max`.
     [[nodiscard]] Time next() {
         const Time now = next_;
         next_ = std::min(2 * next_, max_);

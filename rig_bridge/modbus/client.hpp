@@ -1,4 +1,4 @@
-/// The rig's PLC as the bridge sees it: polled and commanded by a thread of its own, over TCP or RTU.
+/// Client for the rig's PLC over Modbus TCP or RTU; polls and commands it on its own thread.
 ///
 ///     rig::modbus::ModbusClient plc(map, rig::modbus::TcpServer{"192.168.1.10", 502});
 ///     for (;;) {                                             // the bridge's thread, every 10 ms
@@ -7,10 +7,9 @@
 ///         if (now.fresh(rig::Measured::vertical_load_N, 0.1)) use(now.values);
 ///     }
 ///
-/// No call waits for the PLC. Whatever goes wrong on the link (time-out, exception, an answer that is none) closes it;
-/// it is opened anew after a back-off, so that no late answer can be taken for that of a later request. A serial line
-/// cannot forget its late answers by closing: there, after an error, the line must first be quiet for the response
-/// time-out, then the map version is asked for until the answer has that request's shape.
+/// No call waits for the PLC. Any error on the link (time-out, exception, invalid answer) closes it; it is reopened after a back-off, so that no late
+/// answer is taken for that of a later request. Closing does not discard late answers on a serial line: after an error there, the line must first be
+/// quiet for the response time-out; then the map version is requested until an answer matches that request.
 #pragma once
 
 #include <array>
@@ -32,7 +31,7 @@ enum class LinkState : std::uint8_t {
     connecting,    ///< never been connected
     connected,     ///< the last request was answered
     lost,          ///< waiting for the next attempt
-    map_rejected,  ///< the PLC answers, but its map version is another one: nothing is read or written
+    map_rejected,  ///< the PLC answers with another map version: nothing else is read or written
 };
 [[nodiscard]] std::string_view name(LinkState state);
 
@@ -47,7 +46,7 @@ struct LinkCounters {
 };
 
 struct Snapshot {
-    /// The newest reading; NaN before the first and where the PLC sent NaN.
+    /// The newest readings; NaN before the first reading, or if the PLC sent NaN.
     MeasuredValues values{};
     std::array<ValueQuality, kMeasuredCount> quality{};
     std::array<ClockTime, kMeasuredCount> read_at{};  ///< by the client's clock; 0: never
@@ -56,57 +55,56 @@ struct Snapshot {
     double plc_watchdog_age_s = 0.0;
 
     LinkState link = LinkState::connecting;
-    std::string error;  ///< what ended the last link, or keeps it from opening; stays for the record
+    std::string error;  ///< why the last link ended or cannot be opened; kept after reconnecting
     LinkCounters counters;
 
-    std::uint16_t commit = 0;  ///< of the newest command that was sent; 0: none
+    std::uint16_t commit = 0;  ///< number of the newest command that was sent; 0: none
     CommandState command = CommandState::none;
-    /// How long the PLC has owed its confirmation of something commanded; 0 unless pending.
+    /// How long the PLC's confirmation of a command has been pending; 0 if none is.
     double pending_s = 0.0;
     std::string command_error;           ///< of an unsendable command, e.g. "load_base: 90000 N is out of range 0 to 60000"
-    std::uint64_t foreign_commands = 0;  ///< that the PLC took over or refused, and that were not this client's
+    std::uint64_t foreign_commands = 0;  ///< commands of other clients that the PLC applied or refused
     std::uint16_t foreign_commit = 0;    ///< number of the newest of them
 
     [[nodiscard]] double value(Measured q) const { return at(values, q); }
-    /// Read, at most `limit_s` old, and within its declared range.
+    /// Whether it was read, is at most `limit_s` old, and within its declared range.
     [[nodiscard]] bool fresh(Measured q, double limit_s) const {
         const auto i = static_cast<std::size_t>(q);
         return quality[i] == ValueQuality::good && age_s[i] <= limit_s;
     }
 };
 
-/// Who says when the PLC is polled: the client's own thread, every `poll` of the map; or the caller, in lockstep with a virtual PLC.
+/// What triggers polling: the client's own thread, every `poll` of the map; or the caller, in lockstep with a virtual PLC.
 enum class Polling : std::uint8_t { own_thread, turns };
 
 class ModbusClient {
   public:
-    /// Starts the thread where polling is its own; connecting is its business. `now` is asked from both threads and does not fall. `line`:
-    /// none is libmodbus's to `address`. Throws std::invalid_argument for an address that is none, or a map that this link cannot carry.
+    /// With Polling::own_thread starts the thread, which also connects. `now` is called from both threads and must not decrease. `line`: null means
+    /// libmodbus to `address`. Throws std::invalid_argument for an invalid address, or a map that this link cannot carry.
     ModbusClient(
         RegisterMap map, const PlcAddress& address,
         std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); }, Polling polling = Polling::own_thread,
         std::unique_ptr<PlcLine> line = nullptr);
-    /// Ends after the request that is on its way, at most a connect or response time-out. Commands nothing.
+    /// Waits for the current request, at most a connect or response time-out. Sends no command.
     ~ModbusClient();
     ModbusClient(const ModbusClient&) = delete;
     ModbusClient& operator=(const ModbusClient&) = delete;
 
-    /// What the PLC shall do from now on; bridge_watchdog and commit are the client's own and ignored here. Sent when it
-    /// differs, as the registers show it, from what was last sent, and whole after every reconnection. Proves that the
-    /// caller is alive, as alive() does.
+    /// Sets the command for the PLC; bridge_watchdog and commit in it are ignored, the client sets them. It is sent if its registers differ from
+    /// those last sent, and completely after every reconnection. Includes alive().
     void command(const CommandedValues& wanted);
-    /// The caller is alive but has nothing new to say. When neither is called for the map's user_timeout, the
-    /// watchdog register stands still and the PLC trips.
+    /// Keeps the bridge's watchdog counting without a new command. If neither is called for the map's user_timeout, the watchdog register stops and
+    /// the PLC trips.
     void alive();
 
     [[nodiscard]] Snapshot snapshot() const;
 
     // Polling::turns only, on the caller's thread.
-    /// What the thread does at each poll: connects; or, where it is connected, reads everything and writes what is due.
+    /// One poll: connects if needed, else reads everything and writes what is due.
     void round();
-    /// Connects where it must, reads everything.
+    /// Connects if needed, reads everything.
     void look();
-    /// Writes what is due, and last `number` into the map's bridge_turn. The destructor writes 0 there.
+    /// Writes what is due, then `number` into the map's bridge_turn. The destructor writes 0 there.
     void turn(std::uint16_t number);
 
   private:

@@ -1,4 +1,4 @@
-/// Which command is to be sent under which commit number, and what became of it. No link and no clock of its own.
+/// Tracks commands to the PLC: which is due, under which commit number, and whether it was applied. Pure: no link, no clock.
 #pragma once
 
 #include <chrono>
@@ -17,10 +17,10 @@ using ClockTime = std::chrono::nanoseconds;
 
 enum class CommandState : std::uint8_t {
     none,        ///< nothing has been commanded yet
-    pending,     ///< on its way, or not yet confirmed by the PLC
-    applied,     ///< the PLC took the newest command over
-    rejected,    ///< the PLC refused it: not sent again until it changes or the link is opened anew
-    unsendable,  ///< it was not sent, because a value is NaN or out of its range
+    pending,     ///< sent or due, and not yet confirmed by the PLC
+    applied,     ///< the PLC has applied the newest command
+    rejected,    ///< the PLC refused it; not sent again until it changes or the link is reopened
+    unsendable,  ///< not sent: a value is NaN or out of range
 };
 [[nodiscard]] std::string_view name(CommandState state);
 
@@ -28,30 +28,30 @@ class CommandTracker {
   public:
     explicit CommandTracker(const RegisterMap& map);
 
-    /// The newest wish; bridge_watchdog and commit of it are ignored.
+    /// Sets the wanted command; its bridge_watchdog and commit are ignored.
     void want(const CommandedValues& wanted, ClockTime now);
-    /// The link was opened anew and the PLC's commit register holds `commit`: what it knows of us is uncertain.
+    /// Call after the link was reopened, with the PLC's commit register: which commands the PLC has received is then unknown.
     void reconnected(std::uint16_t commit, ClockTime now);
 
-    /// The command to send, commit number included, if there is one; goes on being the same until sending() or a new wish.
+    /// The command to send, with its commit number; none if nothing is due. Unchanged until sending() or want().
     [[nodiscard]] std::optional<RegisterImage> due();
-    /// The PLC's commit register, read before due() goes out. A number that is neither our newest, nor known, nor 0 is somebody else's command,
-    /// which ours is about to replace: it is counted.
+    /// Call with the PLC's commit register before sending due(). A number that is neither one of ours nor 0 belongs to another client's command,
+    /// which ours will replace: it is counted as foreign.
     void standing(std::uint16_t commit);
-    /// All of what due() gave is written but its commit number, which goes out now. There may be a newer wish already.
+    /// Call when everything of due() but the commit number is written, and the number is sent now. want() may have changed meanwhile.
     void sending(const RegisterImage& image);
-    /// Registers of the PLC. A number that has changed to one that is none of ours means that somebody else commands: it is counted, and ours
-    /// is due again, whole. The first reading on a link is taken as it is.
+    /// Call with the PLC's registers. A change to a number that is not ours is a command of another client: it is counted as foreign, and ours is due
+    /// again, completely. The first reading on a link is not compared.
     void seen(std::uint16_t applied, std::uint16_t rejected, ClockTime now);
 
     [[nodiscard]] CommandState state() const;
     [[nodiscard]] std::uint16_t commit() const { return commit_; }  ///< newest in use, 0 none
-    /// Of commands that were not ours, whether the PLC took them over or refused them.
+    /// Number of other clients' commands that the PLC applied or refused.
     [[nodiscard]] std::uint64_t foreign_commands() const { return foreign_; }
     [[nodiscard]] std::uint16_t foreign_commit() const { return foreign_commit_; }  ///< the newest of them
     /// How long state() has been pending.
     [[nodiscard]] double pending_s(ClockTime now) const;
-    /// Which value is unsendable, and why; "" otherwise.
+    /// Which value is unsendable and why; "" if none.
     [[nodiscard]] const std::string& error() const { return error_; }
 
   private:
@@ -63,7 +63,7 @@ class CommandTracker {
     RegisterMap map_;
     RegisterImage wanted_;  // commit and watchdog 0
     RegisterImage last_;    // as last sent, likewise
-    bool any_ = false;      // wanted_ is somebody's wish
+    bool any_ = false;      // want() has been called
     bool resend_ = false;
     std::string error_;
     std::uint16_t next_ = 1;
@@ -72,7 +72,7 @@ class CommandTracker {
     bool looked_ = false;         // on this link
     std::uint16_t applied_ = 0;   // as last seen
     std::uint16_t rejected_ = 0;
-    std::deque<std::uint16_t> unanswered_;  // known, oldest first: what may appear in these two
+    std::deque<std::uint16_t> unanswered_;  // numbers of ours, oldest first, that may still appear in applied_ and rejected_
     std::uint64_t foreign_ = 0;
     std::uint16_t foreign_commit_ = 0;
     CommandState answer_ = CommandState::none;  // to commit_

@@ -1,5 +1,5 @@
-/// Requests of a client and whether what came back answers them. libmodbus moves the frames; it looks at neither unit nor
-/// protocol of a TCP answer, nor at what a write confirms, so all of that is checked here.
+/// Builds the client's requests and checks the answers. libmodbus transfers the frames but checks neither unit and protocol of a TCP answer nor the
+/// confirmation of a write, so all of that is checked here.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace rig::modbus {
 /// A TCP frame around a PDU.
 [[nodiscard]] std::vector<std::uint8_t> tcp_request(std::uint16_t transaction, std::uint8_t unit, std::span<const std::uint8_t> pdu);
 
-/// "" when the header of `frame` is that of the answer to this transaction and fits its length.
+/// "" if the header of `frame` matches this transaction and the frame's length, else the error.
 [[nodiscard]] std::string tcp_header_fault(std::uint16_t transaction, std::uint8_t unit, std::span<const std::uint8_t> frame);
 
-/// Code of an exception in answer to `request`; 0: it is none.
+/// Exception code in the answer to `request`; 0: no exception.
 [[nodiscard]] unsigned exception_of(std::span<const std::uint8_t> request, std::span<const std::uint8_t> answer);
-/// "" when PDU `answer` answers PDU `request`: function, length, byte count, and what was written where.
+/// "" if PDU `answer` matches PDU `request` in function, length, byte count, and the confirmed addresses and values; else the error.
 [[nodiscard]] std::string answer_fault(std::span<const std::uint8_t> request, std::span<const std::uint8_t> answer);
 
 }  // namespace rig::modbus

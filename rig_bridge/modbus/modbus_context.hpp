@@ -1,4 +1,4 @@
-/// libmodbus contexts with an owner, and its error numbers as words.
+/// Owning libmodbus contexts, and texts for its error numbers.
 #pragma once
 
 #include <modbus/modbus.h>
@@ -11,14 +11,14 @@
 
 namespace rig::modbus {
 
-/// One thread tells another to end, also out of a wait.
+/// Asks a thread to end, interrupting its waits.
 class StopSignal {
   public:
-    /// Throws std::system_error when the process has no descriptor left.
+    /// Throws std::system_error if no file descriptor is left.
     StopSignal();
 
     void raise() const;
-    /// Whether it was raised, at once or before `time` has passed.
+    /// Waits up to `time`; true as soon as it is raised.
     [[nodiscard]] bool wait_for(std::chrono::nanoseconds time) const;
     /// Readable once raised, for poll().
     [[nodiscard]] int descriptor() const { return event_.get(); }

@@ -1,4 +1,4 @@
-/// Where a PLC is reached.
+/// Address of a PLC.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,7 @@ using PlcAddress = std::variant<TcpServer, SerialDevice>;
 /// "192.168.1.10:502", "192.168.1.10" (port 502), or a path that begins with '/'. Throws std::invalid_argument that
 /// says what would be right.
 [[nodiscard]] PlcAddress parse_plc_address(const std::string& text);
-/// As above, with a host name looked up, which may take seconds: "plc7:502" as "192.168.1.10:502". Throws std::invalid_argument for a name that
-/// nobody knows.
+/// Resolves a host name, which may take seconds: "plc7:502" to "192.168.1.10:502". Throws std::invalid_argument for an unknown name.
 [[nodiscard]] std::string numeric_plc_address(const std::string& text);
 /// "Modbus TCP 192.168.1.10:502", "Modbus RTU /dev/ttyUSB0".
 [[nodiscard]] std::string to_string(const PlcAddress& address);

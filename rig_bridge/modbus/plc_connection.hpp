@@ -1,4 +1,4 @@
-/// One link to a PLC, opened and closed. Every call ends within the map's time-outs.
+/// One link to a PLC. Every call returns within the map's time-outs.
 #pragma once
 
 #include <chrono>
@@ -34,7 +34,7 @@ class PlcConnection {
     [[nodiscard]] std::optional<LinkFailure> write(std::uint16_t address, std::span<const std::uint16_t> words);
 
   private:
-    /// Sends a PDU and waits for its answer, which is then in answer_. The link is closed where that fails.
+    /// Sends a PDU and waits for its answer, stored in answer_. Closes the link on failure.
     [[nodiscard]] std::optional<LinkFailure> ask(const std::string& doing, std::span<const std::uint8_t> pdu);
     [[nodiscard]] std::optional<LinkFailure> asked(const std::string& doing, std::span<const std::uint8_t> pdu);
     [[nodiscard]] int send(std::span<const std::uint8_t> pdu);

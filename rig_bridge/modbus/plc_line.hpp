@@ -1,4 +1,4 @@
-/// The frames between a client and a PLC, whatever they mean: by libmodbus over TCP or a serial line; in a simulation, in memory.
+/// Transfers frames between client and PLC: by libmodbus over TCP or a serial line; in a simulation, in memory.
 #pragma once
 
 #include <cerrno>
@@ -11,21 +11,20 @@
 
 namespace rig::modbus {
 
-/// Each call returns 0, or the errno of what failed: ETIMEDOUT where it took longer than the map's time-out. A line is opened after it was
-/// closed, and the other way round.
+/// Each call returns 0 or an errno; ETIMEDOUT after the map's time-out. Calls of open() and close() alternate.
 class PlcLine {
   public:
     static constexpr std::size_t kMaxFrame = 260;  ///< of TCP; those of a serial line are shorter
-    /// open(): bytes keep coming on a serial line, so that none could be told to be an answer.
+    /// Result of open(): the serial line never becomes quiet, so that an answer could not be identified.
     static constexpr int kNeverQuiet = EBUSY;
 
     virtual ~PlcLine() = default;
-    /// A serial line is open when it has been quiet for the response time-out.
+    /// On a serial line returns after the line has been quiet for the response time-out.
     [[nodiscard]] virtual int open() = 0;
     virtual void close() = 0;
-    /// A whole frame, on a serial line without its checksum.
+    /// Sends a whole frame, given without checksum on a serial line.
     [[nodiscard]] virtual int send(std::span<const std::uint8_t> frame) = 0;
-    /// A whole frame, on a serial line with its checksum, of `size` bytes.
+    /// Receives a whole frame of `size` bytes, including the checksum on a serial line.
     [[nodiscard]] virtual int receive(std::span<std::uint8_t, kMaxFrame> frame, std::size_t& size) = 0;
 };
 

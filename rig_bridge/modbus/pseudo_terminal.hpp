@@ -1,4 +1,4 @@
-/// A serial line that needs no hardware.
+/// A pseudo-terminal as serial line without hardware.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@ namespace rig::modbus {
 
 class PseudoTerminal {
   public:
-    /// Raw. Throws std::runtime_error with the reason.
+    /// Opens it in raw mode. Throws std::runtime_error with the reason.
     PseudoTerminal();
 
     [[nodiscard]] int master() const { return master_.get(); }       ///< does not block
     [[nodiscard]] const std::string& path() const { return path_; }  ///< of the other end
 
-    /// Throws away what the other end has written.
+    /// Discards what the other end has written.
     void drain() const;
 
   private:

@@ -1,5 +1,4 @@
-/// The registers behind a server: requests on one side, the plant on the other. The plant never waits for a request to
-/// be answered, only for copies.
+/// The registers of a server, shared by the server's and the plant's thread. The plant waits only for copies, never for the answer to a request.
 #pragma once
 
 #include <modbus/modbus.h>
@@ -26,7 +25,7 @@ class RegisterBank {
 
     // The server's thread.
 
-    /// Seconds for which the request now at hand is to be left lying: a hang that was asked for before. Asked once.
+    /// Seconds by which the answer to the present request is to be delayed, as commanded by the register `hang_s`; 0 at the next call.
     [[nodiscard]] double take_hang();
     enum class Answer : std::uint8_t { given, exception, failed };
     /// Answers a whole request (`header` bytes before the function code, `checksum` after the PDU) through `context`;

@@ -1,4 +1,4 @@
-/// What a server may be asked, before libmodbus answers it.
+/// Validates requests to a server before libmodbus answers them.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace rig::modbus {
 
-/// Addresses that exist in one register space.
+/// The addresses that exist in one register space.
 class RegisterSet {
   public:
     explicit RegisterSet(std::span<const Field> fields);
@@ -27,8 +27,8 @@ enum class Exception : std::uint8_t {
     illegal_data_value = 3,
 };
 
-/// The exception that a request deserves. Function codes 3, 4, 6, 16, 22, 23; the length, and counts and byte counts
-/// against each other, are checked before the addresses. `pdu`: from the function code on, without checksum.
+/// The exception with which to answer a request. Accepts function codes 3, 4, 6, 16, 22, 23; the length, and counts and byte counts against each
+/// other, are checked before the addresses. `pdu`: from the function code on, without checksum.
 [[nodiscard]] Exception judge(std::span<const std::uint8_t> pdu, const RegisterSet& inputs, const RegisterSet& holdings);
 
 enum class FrameState : std::uint8_t { incomplete, whole, broken };
