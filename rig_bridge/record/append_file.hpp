@@ -1,5 +1,5 @@
-/// A file that grows line by line: buffered, told to the disk when asked, and never the death of its writer. When the disk is full,
-/// what was written stays, up to its last whole line; the rest is counted.
+/// A buffered file written line by line and synced on request. Write errors do not throw: when the disk is full, the file keeps its whole lines so
+/// far, and the missing ones are counted.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,15 @@ namespace rig::record {
 
 class AppendFile final : public LineFile {
   public:
-    /// Makes a new file; missing parent directories are created. That it is there survives a power cut. Throws std::runtime_error naming
-    /// `path` when it is there already or cannot be made.
+    /// Creates the file and missing parent directories, durably. Throws std::runtime_error naming `path` if it exists or cannot be created.
     explicit AppendFile(const std::filesystem::path& path, const settings::Storage& storage = settings::PosixStorage{});
     /// As finish().
     ~AppendFile() override;
 
-    /// Calls the kernel once the buffer is full.
+    /// Buffers the line; writes when the buffer is full.
     void line(std::string_view text) override;
     void flush() override;
-    /// As flush(), then told to the disk: what was written survives a power cut.
+    /// flush() and fsync: what was written survives a power cut.
     void sync();
     bool finish() override;
 

@@ -1,4 +1,4 @@
-/// bus.log: every recorded frame, as `candump -l` writes it, so that can-utils, python-can and our own readers play it.
+/// bus.log: every recorded frame, as `candump -l` writes it, readable by can-utils, python-can and rig-replay.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@ namespace rig::record {
 
 class BusLog {
   public:
-    /// `interface`: the name in every line.
+    /// `interface`: the name written in every line.
     BusLog(std::unique_ptr<LineFile> file, std::string interface);
-    /// A new AppendFile.
+    /// Writes to a new AppendFile at `path`.
     BusLog(const std::filesystem::path& path, std::string interface);
 
-    /// Does not allocate. Flushes when the frame is a second younger than the last one that was flushed.
+    /// Does not allocate. Flushes if the frame's stamp is a second later than at the last flush.
     void write(const CapturedFrame& frame);
-    /// Hands what is buffered to the kernel; call it when the bus is quiet.
+    /// Passes buffered lines to the kernel; call it while the bus is quiet.
     void flush() { file_->flush(); }
-    /// Everything is on the disk. False when frames are missing.
+    /// Stores everything on the disk and closes the file. False if frames are missing.
     bool finish() { return file_->finish(); }
 
     [[nodiscard]] std::uint64_t frames() const { return file_->lines(); }

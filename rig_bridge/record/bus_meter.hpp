@@ -1,11 +1,10 @@
-/// The figures of a maneuver from the frames on the bus alone: live from the recorder, or again from its bus.log, with the
-/// same bits.
+/// Computes the figures of a maneuver from the frames on the bus alone: live, or later from bus.log, with bit-identical results.
 ///
 ///     BusMeter meter(layout, parameters);
 ///     for (frames) if (frame.plain()) meter.accept(frame.frame);       // CapturedFrame, or a line of a log
 ///     Figures figures = meter.figures();
 ///
-/// Samples and their time: see sample_stream.hpp. Phases come from the maneuver state: a change counts from the next sample on.
+/// Samples and their time: see sample_stream.hpp. Phases come from the maneuver state; a change takes effect at the next sample.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +16,7 @@
 
 namespace rig::record {
 
-/// The end of a warning that bounds what the brake took beyond the figures.
+/// End of the warnings that bound the brake energy that the figures lack.
 [[nodiscard]] std::string in_no_record(double max_J);
 
 class BusMeter {
@@ -31,19 +30,19 @@ class BusMeter {
     void accept(const antiskid::can::Frame& frame);
 
     [[nodiscard]] Figures figures() const { return meter_.figures(); }
-    /// Those of the meter, and of a record that has come to its end with a brake that nobody saw released: "ends_unheard: at 9.5 m/s, and the brake
-    /// may have taken up to 0.11 MJ that are in no record".
+    /// Warnings of the meter, and if the record ends without the brake's release: "ends_unheard: at 9.5 m/s, and the brake may have taken up to 0.11
+    /// MJ that are in no record".
     [[nodiscard]] std::vector<std::string> warnings() const;
-    /// The brake has come on, and nobody saw it released.
+    /// Whether the brake has come on without a recorded release.
     [[nodiscard]] bool open() const { return meter_.open() || (braked_ && !meter_.started()); }
     [[nodiscard]] const Meter& meter() const { return meter_; }
     [[nodiscard]] const antiskid::can::BusView& view() const { return samples_.view(); }
     [[nodiscard]] const antiskid::can::Observer& observer() const { return samples_.observer(); }
-    /// Every fault that the controller named since the end of spin-up, where it is armed.
+    /// Every fault reported by the controller since the end of spin-up, where it is armed.
     [[nodiscard]] antiskid::control::FaultSet faults() const { return faults_; }
-    /// Frames missing as their counters say, of all messages: on the bus, or between bus and recorder.
+    /// Missing frames of all messages by their alive counters, lost on the bus or before the recorder.
     [[nodiscard]] std::uint64_t frames_lost() const;
-    /// Times that a stamp was older than the one before.
+    /// Number of stamps older than the previous one.
     [[nodiscard]] std::uint64_t steps_back() const { return samples_.steps_back(); }
 
   private:

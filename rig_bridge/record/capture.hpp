@@ -1,10 +1,10 @@
-/// Every frame that passes on a CAN interface, those of this program included: any identifier, remote and error frames.
+/// Receives every frame on a CAN interface, including this program's own: any identifier, remote and error frames.
 ///
 ///     Capture capture("vcan0");
 ///     while (run) if (capture.wait(100ms)) for (const CapturedFrame& f : capture.receive()) { log.write(f); meter(f); }
 ///
-/// CAN FD frames are counted and not given. Stamps are the kernel's (SO_TIMESTAMPNS, wall clock), as candump prints them. What the kernel
-/// had to drop since our queue was full is counted. Nothing is allocated after construction; one thread.
+/// CAN FD frames are only counted. Stamps are the kernel's (SO_TIMESTAMPNS, wall clock), as printed by candump. Frames dropped by the kernel because
+/// our queue was full are counted. No allocation after construction; for one thread.
 #pragma once
 
 #include <array>
@@ -18,17 +18,17 @@
 namespace rig::record {
 
 struct CaptureOptions {
-    /// Asked of the kernel, which gives less without CAP_NET_ADMIN (net.core.rmem_max). A frame takes about 0.8 KiB there:
-    /// 8 MiB are about a second of a full bus.
+    /// Requested from the kernel, which grants less without CAP_NET_ADMIN (net.core.rmem_max). A frame takes about 0.8 KiB: 8 MiB hold about a second
+    /// of a full bus.
     int receive_buffer_bytes = 8 << 20;
 };
 
 struct CaptureStatus {
-    bool up = true;               ///< false: interface down, until a frame arrives again; or gone
-    bool gone = false;            ///< for good: open a new one
-    std::uint64_t frames = 0;     ///< given to the consumer
-    std::uint64_t fd_frames = 0;  ///< not given
-    std::uint64_t dropped = 0;    ///< by the kernel, before us
+    bool up = true;               ///< false: interface gone, or down until a frame arrives again
+    bool gone = false;            ///< the interface was removed: open a new Capture
+    std::uint64_t frames = 0;     ///< returned by receive()
+    std::uint64_t fd_frames = 0;  ///< not returned
+    std::uint64_t dropped = 0;    ///< by the kernel, because our queue was full
     std::string interface_error;  ///< why it is not up, naming the interface; empty while it is
 };
 
@@ -36,23 +36,23 @@ class Capture {
   public:
     static constexpr std::size_t kBatch = 64;
 
-    /// Throws std::runtime_error naming the interface when it is absent, down or no CAN, or the kernel has no CAN.
+    /// Throws std::runtime_error naming the interface if it is missing, down or not CAN, or the kernel has no CAN support.
     explicit Capture(const std::string& interface, const CaptureOptions& options = {});
     ~Capture();
     Capture(const Capture&) = delete;
     Capture& operator=(const Capture&) = delete;
 
-    /// What has arrived, oldest first, at most kBatch frames; valid until the next call. Never waits.
+    /// Frames that have arrived, oldest first, at most kBatch; valid until the next call. Never waits.
     [[nodiscard]] std::span<CapturedFrame> receive();
-    /// Waits until something can be received or the link's state changed; false on time-out.
+    /// Waits until frames can be received or the link's state has changed; false after a time-out.
     [[nodiscard]] bool wait(antiskid::can::Time timeout);
 
-    /// The count of drops is asked of the kernel: also those after which nothing arrived any more.
+    /// Reads the count of dropped frames from the kernel, so that drops after the last received frame are included.
     [[nodiscard]] CaptureStatus status() const;
     [[nodiscard]] const std::string& interface() const { return interface_; }
-    /// For poll() beside others.
+    /// For poll() together with other descriptors.
     [[nodiscard]] int descriptor() const { return socket_; }
-    /// What the kernel gave.
+    /// The size granted by the kernel.
     [[nodiscard]] int receive_buffer_bytes() const;
 
   private:

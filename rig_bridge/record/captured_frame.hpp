@@ -1,4 +1,4 @@
-/// One frame as the recorder has it.
+/// A received frame with its flags.
 #pragma once
 
 #include "firmware/can/frame.hpp"
@@ -11,7 +11,7 @@ struct CapturedFrame {
     bool remote = false;
     bool error = false;  ///< error frame: the id is its class, see linux/can/error.h
 
-    /// A data frame with an 11-bit identifier: what layouts are made of.
+    /// Whether it is a data frame with an 11-bit identifier, the only kind in layouts.
     [[nodiscard]] bool plain() const { return !extended && !remote && !error; }
 };
 

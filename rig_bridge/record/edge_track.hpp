@@ -1,10 +1,9 @@
-/// The motion of one shaft from the edges of its encoder, each stamped by the sensor's own clock: angle and speed at any
-/// sample, and when it came to rest. Double precision, no allocation.
+/// Motion of one shaft from its encoder's edges, each stamped by the sensor's clock: way and speed at any time, and the instant of standstill. Double
+/// precision, no allocation.
 ///
-/// No encoder makes more edges in a time than its fastest speed allows, and no edge is stamped later than it is reported. A report
-/// that breaks either is no motion: once the reports after it go on from it (or it stands), the sensor has started anew, and the way
-/// goes on from there without a gap; a single one is dropped. So is any that lies on the way that is known, by edge and stamp, as far back as the
-/// last kKept reports that brought edges: a frame that was replayed, or overtaken by others.
+/// A report is implausible if it has more edges than the encoder's top speed allows, or an edge stamped later than it is reported. If the following
+/// reports continue from it (or it shows standstill), the sensor has restarted, and the way continues from there without a gap; a single implausible
+/// report is dropped. A report that repeats an edge and stamp of the last kKept reports with new edges (replayed or delayed frame) is dropped, too.
 #pragma once
 
 #include <array>
@@ -18,13 +17,13 @@ namespace rig::record {
 
 using antiskid::can::Time;
 
-/// What an encoder can do. As it stands here every report is believed.
+/// Limits of an encoder. With the default values every report is accepted.
 struct EdgeLimits {
     double edges_per_s = std::numeric_limits<double>::infinity();
     double late_s = std::numeric_limits<double>::infinity();  ///< age of the oldest report that is used
 };
 
-/// Where a sensor's fields begin anew: a count or a stamp that goes back has gone on by the rest of its field.
+/// Ranges of a sensor's fields: a count or stamp that decreases has rolled over.
 struct RollOver {
     std::uint32_t count_mask = std::numeric_limits<std::uint32_t>::max();  ///< greatest count
     Time time{};                                                           ///< 0: never
@@ -32,37 +31,36 @@ struct RollOver {
 
 class EdgeTrack {
   public:
-    /// `edge_pitch`: way from edge to edge, rad or m; all results are in its unit.
+    /// `edge_pitch`: way from edge to edge, rad or m. All results use that unit.
     explicit EdgeTrack(double edge_pitch, const EdgeLimits& limits = {}) : pitch_(edge_pitch), limits_(limits) {}
 
-    /// What the encoder said by `now_s` (any clock that runs as fast as the sensor's): edges so far and the stamp of the last one,
-    /// each but for whole roll-overs. Once for every report.
+    /// Call once per report with its time `now_s` (any clock with the rate of the sensor's), the number of edges so far and the stamp of the last
+    /// edge, both modulo their fields.
     void update(std::uint32_t edge_count, Time edge_time, double now_s, const RollOver& roll_over = {});
 
-    /// Forgets how the two clocks lie to each other, so that a slow drift between them does no harm.
+    /// Discards the measured offset of the two clocks, which may drift slowly.
     void measure_clock_again() { clock_known_ = false; }
 
-    /// Way since the first update; between edges as the last interval says, at most one edge ahead.
+    /// Way since the first update; extrapolated from the last interval by at most one edge.
     [[nodiscard]] double way(double now_s) const;
     /// Way at the last edge.
     [[nodiscard]] double way_at_edge() const { return static_cast<double>(edges_) * pitch_; }
-    /// Mean speed over the newest edges that lie at least `window_s` apart (M/T method), or over the last interval
-    /// where that is longer; once two reports without an edge span more than a pitch took, at most what that allows. 0 before the second
-    /// edge.
+    /// Mean speed over the newest edges at least `window_s` apart (M/T method), or over the last interval if that is longer. If reports without an
+    /// edge last longer than the last pitch did, it is limited to the speed that this allows. 0 before the second edge.
     [[nodiscard]] double speed(double window_s) const;
     /// Instant of the last edge on the clock of update().
     [[nodiscard]] double last_edge_s() const;
     /// The same on the sensor's own clock.
     [[nodiscard]] double stamp_s() const;
-    /// Counts up by one with every update() that brought an edge.
+    /// Number of update() calls that brought an edge.
     [[nodiscard]] std::uint64_t news() const { return size_; }
-    /// When the newest report came that is part of the motion; before the first minus infinity.
+    /// Time of the newest accepted report; minus infinity before the first.
     [[nodiscard]] double heard_s() const { return last_.newest_s; }
-    /// Times that the sensor started anew.
+    /// Number of restarts of the sensor.
     [[nodiscard]] std::uint64_t restarts() const { return restarts_; }
 
-    /// How the motion went on after the last edge, if the deceleration of the last kFitted edges lasted to the end. An
-    /// encoder says nothing of the last centimetres: no edge falls there, and a magnetic pick-up is blind at low speed.
+    /// Motion from the last edge to standstill, extrapolated with the deceleration of the last kFitted edges. The encoder shows nothing of the last
+    /// centimetres: no edge occurs there, and a magnetic pick-up has no signal at low speed.
     struct Rest {
         double time_s = 0.0;  ///< from the last edge to standstill
         double way = 0.0;
@@ -77,14 +75,14 @@ class EdgeTrack {
         std::uint64_t edges = 0;
         Time time{};
     };
-    /// A report that the next one is judged by.
+    /// The report with which the next one is compared.
     struct Report {
         std::uint32_t count = 0;
         Time edge_time{};
         double first_s = 0.0;                                        ///< when its edge was reported first
         double newest_s = -std::numeric_limits<double>::infinity();  ///< and last
-        double before_s = -std::numeric_limits<double>::infinity();  ///< its edge came after this
-        double late_s = 0.0;                                         ///< than the promptest
+        double before_s = -std::numeric_limits<double>::infinity();  ///< time of the last report before its edge
+        double late_s = 0.0;                                         ///< delay beyond the promptest report
         std::uint32_t without_edge = 0;                              ///< reports since
     };
     /// From one report to another.
@@ -109,12 +107,12 @@ class EdgeTrack {
     EdgeLimits limits_;
     std::array<Edge, kKept> kept_{};
     std::uint64_t size_ = 0;  // edges ever kept
-    std::uint64_t anew_ = 0;  // of them before the sensor's newest start
+    std::uint64_t anew_ = 0;  // of them before the sensor's latest restart
     std::uint64_t edges_ = 0;
     std::uint64_t restarts_ = 0;
     Report last_;
-    std::optional<Report> strange_;  // cannot follow `last_`; what comes next tells what it was
-    double clock_s_ = 0.0;           // of update() minus the sensor's, least seen: the edge that was reported at once
+    std::optional<Report> strange_;  // implausible after `last_`; the next report decides what it was
+    double clock_s_ = 0.0;           // smallest difference of update()'s clock minus the sensor's: of the edge reported with least delay
     bool clock_known_ = false;
 };
 

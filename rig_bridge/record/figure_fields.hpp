@@ -1,4 +1,4 @@
-/// Every figure with its name in files, tables and the ledger: one list for all of them.
+/// List of all figures with their names in files, tables and the ledger.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ struct FigureField {
     const char* key;    ///< in summary.json and the ledger, with the unit
     const char* label;  ///< for people
     const char* unit;
-    double scale;  ///< unit of the label in unit of the key
+    double scale;  ///< size of the label's unit in the key's unit
     double Figures::*value;
 };
 

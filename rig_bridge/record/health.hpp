@@ -1,4 +1,4 @@
-/// What is thought of the brake after a maneuver, as the ledger keeps it. Who thinks so is not the ledger's business.
+/// Health of the brake after a maneuver, as stored in the ledger.
 #pragma once
 
 #include <array>
@@ -8,8 +8,7 @@
 
 namespace rig::record {
 
-/// unknown: nobody judges, or too few maneuvers yet. suspect: out of the ordinary, and may go away. abnormal: not a brake like those that
-/// the wear model knows.
+/// unknown: no monitor, or too few maneuvers. suspect: unusual, may be temporary. abnormal: unlike the brakes in the wear model.
 enum class HealthState : std::uint8_t { unknown, healthy, suspect, abnormal };
 
 inline constexpr std::array kHealthNames{"unknown", "healthy", "suspect", "abnormal"};
@@ -20,10 +19,10 @@ inline constexpr std::array kHealthNames{"unknown", "healthy", "suspect", "abnor
 
 struct Health {
     HealthState state = HealthState::unknown;
-    /// The greatest of the monitor's tests, each as share of the limit at which the brake is called abnormal; NaN while unknown.
+    /// Largest test statistic of the monitor, as share of the limit for `abnormal`; NaN while unknown.
     double statistic = std::numeric_limits<double>::quiet_NaN();
     std::string reason;  ///< for people; empty while healthy
-    std::string model;   ///< hash of the wear model that judged; empty: none
+    std::string model;   ///< hash of the wear model used; empty: none
 };
 
 }  // namespace rig::record

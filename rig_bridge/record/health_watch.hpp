@@ -1,4 +1,4 @@
-/// The wear room's judgement of a brake, from the summaries of a campaign to what its ledger keeps.
+/// Judges a brake's health from the summaries of a campaign, with the monitor of wear/health.hpp, for the ledger.
 ///
 ///     HealthWatch watch("config/wear/population.json");
 ///     catch_up(watch, ledger, rows);                        // a campaign that goes on
@@ -22,9 +22,9 @@ class HealthWatch {
     HealthWatch(const HealthWatch&) = delete;
     HealthWatch& operator=(const HealthWatch&) = delete;
 
-    /// After a finished maneuver, in their order; others, and those out of tolerance, are passed over with the health of the one before.
+    /// Call after each maneuver, in order. Only finished ones within tolerance are judged; others return the previous health.
     Health after(const Summary& summary);
-    /// What the model was learnt from, for people.
+    /// Origin of the model, for people.
     [[nodiscard]] std::string learnt_from() const;
     [[nodiscard]] const Health& newest() const { return newest_; }
 
@@ -34,8 +34,8 @@ class HealthWatch {
     Health newest_;
 };
 
-/// Feeds the watch the finished maneuvers of `rows` (of the ledger's open campaign, oldest first) and judges those that nobody has judged: of a
-/// bridge that died before it could, or of a time without a model.
+/// Feeds the watch the finished maneuvers of `rows` (of the ledger's open campaign, oldest first) and enters the health of those not judged yet: run
+/// without a model, or before the bridge died.
 void catch_up(HealthWatch& watch, Ledger& ledger, const std::vector<LedgerRow>& rows);
 
 }  // namespace rig::record

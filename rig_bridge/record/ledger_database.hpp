@@ -1,4 +1,4 @@
-/// SQLite for the ledger: statements that close themselves, errors that name the file.
+/// SQLite access of the ledger: owning statements, errors that name the file.
 #pragma once
 
 #include <sqlite3.h>
@@ -13,7 +13,7 @@
 
 namespace rig::record {
 
-/// One prepared statement. Parameters and columns count from 1 and 0, as in SQLite.
+/// One prepared statement. As in SQLite, parameters count from 1 and columns from 0.
 class Statement {
   public:
     Statement(sqlite3* database, const std::string& path, std::string_view sql);
@@ -22,7 +22,7 @@ class Statement {
     Statement& bind(int index, std::int64_t value);
     Statement& bind(int index, double value);
 
-    /// True while there is a row. Throws LedgerError.
+    /// Advances to the next row; false after the last. Throws LedgerError.
     bool step();
     void run() {
         while (step()) {
@@ -31,7 +31,7 @@ class Statement {
 
     [[nodiscard]] std::string text(int column) const;
     [[nodiscard]] std::int64_t integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
-    /// NULL is NaN.
+    /// NULL is returned as NaN.
     [[nodiscard]] double real(int column) const;
     [[nodiscard]] bool null(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL; }
 
@@ -48,8 +48,8 @@ class LedgerDatabase {
   public:
     enum class Access : std::uint8_t { read, write };
 
-    /// Checks that the file is a ledger. With `write`: makes one where there is no file or an empty one, and brings an older schema to this one
-    /// in one transaction. With `read`: an older one is copied to memory and brought to this schema there.
+    /// Checks that the file is a ledger. `write`: creates one if the file is missing or empty, and upgrades an older schema in one transaction.
+    /// `read`: an older schema is copied to memory and upgraded there.
     LedgerDatabase(const std::filesystem::path& path, Access access, const LedgerOptions& options);
 
     [[nodiscard]] Statement prepare(std::string_view sql) const { return {database_.get(), path_, sql}; }
@@ -63,8 +63,8 @@ class LedgerDatabase {
     static constexpr int kCampaignColumnCount = 7 + static_cast<int>(kSpecimenFields.size());
     [[nodiscard]] static Campaign read_campaign(const Statement& row);
 
-    /// What amendments add to the cumulative energy of a row of `maneuvers`: of those on it or before it, made when it was there already.
-    /// Later rows have it in their own.
+    /// Sum of the amendments to add to a row's cumulative energy: amendments of this and earlier rows, made after the row was entered. Rows entered
+    /// later already include them.
     static constexpr std::string_view kAmended_J =
         "coalesce((SELECT sum(a.counted_J - a.before_J) FROM amendments a JOIN maneuvers m ON m.id = "
         "a.maneuver "
@@ -99,7 +99,7 @@ class LedgerDatabase {
     std::unique_ptr<sqlite3, Closer> database_;
 };
 
-/// Between the warnings of a row.
+/// Separates the warnings of a row.
 inline constexpr std::string_view kWarningsApart = "; ";
 
 /// Rows of the campaign with this id, oldest first.

@@ -1,4 +1,4 @@
-/// What the parts of the ledger share.
+/// Shared by the parts of the ledger.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,11 @@
 
 namespace rig::record {
 
-/// A file of its own beside the ledger: SQLite's locks on the ledger itself would be lost when any descriptor of it is closed. The kernel
-/// frees it when the process dies.
+/// A separate lock file beside the ledger: closing any descriptor of the ledger itself would release SQLite's locks on it. The kernel frees the lock
+/// when the process dies.
 class LedgerLock {
   public:
-    /// Throws LedgerError naming the process that has it.
+    /// Throws LedgerError naming the process that holds it.
     LedgerLock(const std::filesystem::path& ledger, const settings::Storage& storage) : file_(take(ledger, storage)) {}
 
   private:

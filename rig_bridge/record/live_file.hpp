@@ -1,7 +1,7 @@
-/// A file whose writer must not wait for a disk: lines are queued, a thread writes them and tells the disk each second, so that a power
-/// cut costs the last two seconds of a running record, and a disk that stands still costs nobody his step.
+/// A file for writers that must not wait for the disk: lines are queued; a thread writes them and syncs every second, so that a power cut loses at
+/// most the last two seconds, and a hanging disk delays no step.
 ///
-/// The queue holds some 20 s of a full bus at 1 Mbit/s. While it is full, lines are refused, counted and named.
+/// The queue holds some 20 s of a full bus at 1 Mbit/s. While it is full, lines are dropped, counted and reported by error().
 #pragma once
 
 #include <condition_variable>
@@ -18,7 +18,7 @@ namespace rig::record {
 
 struct LiveFileOptions {
     std::size_t queue_bytes = std::size_t{8} << 20U;
-    /// Called by the thread before each write; for tests that need a slow disk.
+    /// Called by the thread before each write, for tests with a slow disk.
     std::function<void()> before_write = nullptr;
 };
 
@@ -30,7 +30,7 @@ class LiveFile final : public LineFile {
 
     /// Waits for no disk.
     void line(std::string_view text) override;
-    /// The thread does so within kWrite_ms anyway; returns at once.
+    /// No effect: the thread writes within kWrite_ms anyway.
     void flush() override {}
     /// Waits for the disk.
     bool finish() override;
@@ -46,7 +46,7 @@ class LiveFile final : public LineFile {
 
     LiveFileOptions options_;
     std::filesystem::path path_;
-    AppendFile file_;            // the thread's, and finish()'s once that has ended
+    AppendFile file_;            // used by the thread, and by finish() after the thread has ended
     std::string being_written_;  // the same
 
     mutable std::mutex mutex_;  // held for copies only

@@ -1,22 +1,22 @@
-/// The figures of a braking maneuver from its measured signals, sample by sample. Pure: no clock, file or bus; the same
-/// samples give the same bits. Constant memory, no allocation, below 100 ns a sample.
+/// The figures of a braking maneuver from its measured signals, sample by sample. Pure: no clock, file or bus; the same samples give bit-identical
+/// figures. Constant memory, no allocation.
 ///
 ///     Meter meter(parameters);
 ///     for (each control period) meter.feed(sample);
 ///     Figures figures = meter.figures();
 ///
 /// Counted from the first sample in phase `braking` to standstill, which is found from the flywheel's last edges
-/// (EdgeTrack::rest()); with an abort, to the first sample of phase `aborting`, energies until the brake has released and the flywheel is heard. A
-/// second `braking` starts afresh.
+/// (EdgeTrack::rest()); after an abort, to the first sample of phase `aborting`, energies until the brake has released and flywheel frames arrive. A
+/// second `braking` starts again.
 ///
 /// Way and angle are counted in edges, so that the integrals of eq. (9) need no estimate of speed:
 /// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
 /// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
 ///
-/// While load cells or encoders are silent the work follows from the speeds before and after (WorkBooks); the warning "energy_by_speeds: ..." says
-/// how much.
+/// While load cells or encoders are silent, the work is computed from the speeds before and after (WorkBooks); the warning "energy_by_speeds: ..."
+/// says how much.
 ///
-/// Both together are the kinetic energy that was lost, eq. (8): where they are not, figures are of no use, and warnings() says so.
+/// Their sum must equal the kinetic energy lost, eq. (8); otherwise the figures are invalid and warnings() reports it.
 #pragma once
 
 #include <cstddef>
@@ -34,16 +34,16 @@
 
 namespace rig::record {
 
-/// The warning of a brake energy that is in part that of the speeds, load cells or encoders being silent.
+/// Warning: part of the brake energy was computed from speeds, because load cells or encoders were silent.
 inline constexpr std::string_view kEnergyBySpeeds = "energy_by_speeds";
 
-/// The warning of a mean friction that is no brake's.
+/// Warning: the mean friction is impossible for a brake.
 inline constexpr std::string_view kFrictionImplausible = "friction_implausible";
 
-/// Below it a brake takes nothing.
+/// Below this pressure a brake counts as released.
 inline constexpr double kReleased_Pa = 0.2e6;
 
-/// What is known of the rig apart from the signals.
+/// Parameters of the rig.
 struct MeterParameters {
     double wheel_teeth = 60.0;
     double flywheel_teeth = 60.0;
@@ -53,20 +53,20 @@ struct MeterParameters {
     double brake_gain_m3 = 0.0;        ///< A_p N_p N_s R_eff, eq. (5): k_b without friction
     double wheel_inertia_kgm2 = 0.0;   ///< J_w
     double flywheel_mass_kg = 0.0;     ///< m = J_f / R_f^2
-    double peak_friction = 0.0;        ///< of the surface, eq. (16); 0: not the same all along, J_mu is not known
+    double peak_friction = 0.0;        ///< of the surface, eq. (16); 0: it varies along the runway, J_mu is unknown
     double drop_out_mps = 5.0;         ///< mu_b and J_mu end here
     double period_s = 1e-3;            ///< control period: the step of the SYNC number
 
-    // What tells a sound record from another; as they stand here everything is believed.
-    double wheel_max_radps = std::numeric_limits<double>::infinity();     ///< that its encoder can report
+    // Limits of a valid record; the default values accept everything.
+    double wheel_max_radps = std::numeric_limits<double>::infinity();     ///< highest that its encoder can report
     double flywheel_max_radps = std::numeric_limits<double>::infinity();  ///< the same
-    double sensor_late_s = std::numeric_limits<double>::infinity();       ///< age of the oldest reading in use; an encoder is silent after it
-    /// By how much brake and tyre energy may differ from the kinetic energy lost, as share of that at brake-on.
+    double sensor_late_s = std::numeric_limits<double>::infinity();       ///< largest age of a usable reading; an older encoder counts as silent
+    /// Allowed difference of brake plus tyre energy from the kinetic energy lost, as share of the kinetic energy at brake-on.
     double energy_band = std::numeric_limits<double>::infinity();
-    double friction = 0.0;  ///< mean mu_b that the brake is known for; 0: not known
+    double friction = 0.0;  ///< expected mean mu_b of the brake; 0: unknown
 };
 
-/// One shaft as the bus has it: edges, or a speed where the sensor reports that.
+/// One shaft's values from the bus: edges, or a speed if the sensor reports that.
 struct ShaftSample {
     bool edges = true;
     std::uint32_t edge_count = 0;
@@ -76,16 +76,16 @@ struct ShaftSample {
     bool reported = true;  ///< false: nothing new of this sensor since the sample before
 };
 
-/// Of an encoder as its electronics see it.
+/// Sample of an encoder from its own output.
 [[nodiscard]] inline ShaftSample shaft_sample(const antiskid::can::SpeedSample& sample) {
     return {.edge_count = sample.edge_count, .edge_time = sample.edge_time, .speed_radps = static_cast<double>(sample.speed_radps)};
 }
 
-/// What was known at one control period.
+/// The values known at one control period.
 struct MeterSample {
     double time_s = 0.0;     ///< must not fall
     std::uint8_t phase = 0;  ///< index in antiskid::can::kPhaseNames
-    bool braked = false;     ///< phase `braking` was said since the sample before
+    bool braked = false;     ///< phase `braking` was received since the last sample
     ShaftSample wheel;
     ShaftSample flywheel;
     double pressure_Pa = 0.0;
@@ -96,30 +96,29 @@ struct MeterSample {
     double brake_temperature_C = 0.0;
 };
 
-/// The sample as frames of this layout would have carried it.
+/// The sample with the values rounded as in frames of this layout.
 [[nodiscard]] MeterSample as_on_bus(const antiskid::can::Layout& layout, const MeterSample& sample);
 
 class Meter {
   public:
     explicit Meter(const MeterParameters& parameters);
 
-    /// The first samples must come some 50 ms before brake-on: the speed at brake-on is that of the edges before it.
+    /// Samples must start at least 50 ms before brake-on: the speed at brake-on is computed from the edges before it.
     void feed(const MeterSample& sample);
 
-    /// So far, and for good once the phases after the brake are reached. All zero before brake-on. What cannot be
-    /// known (mean friction without pressure) is 0. `peak_temperature_C` counts from brake-on to the last sample.
+    /// The figures so far; final once the phases after braking are reached. All zero before brake-on; undefined ones (mean friction without pressure)
+    /// are 0. `peak_temperature_C` is from brake-on to the last sample.
     [[nodiscard]] Figures figures() const;
-    /// What is wrong with them: "encoder_restarted: flywheel 1", "energy_unbalanced: ...", "friction_implausible: ..."; empty for a sound
-    /// record.
+    /// Problems of the figures: "encoder_restarted: flywheel 1", "energy_unbalanced: ...", "friction_implausible: ..."; empty for a valid record.
     [[nodiscard]] std::vector<std::string> warnings() const;
 
     [[nodiscard]] bool started() const { return state_ != State::waiting; }
-    /// The brake has come on, and was seen neither released nor at standstill.
+    /// Whether the brake has come on, without a recorded release or standstill.
     [[nodiscard]] bool open() const { return state_ == State::releasing || (state_ == State::braking && !standstill_); }
     /// Rim speed of the flywheel, and the slip of eq. (3), as measured now.
     [[nodiscard]] double speed_mps() const { return flywheel_speed_; }
     [[nodiscard]] double slip() const;
-    /// That flywheel and wheel have now.
+    /// Present kinetic energy of flywheel and wheel.
     [[nodiscard]] double kinetic_energy_J() const;
 
   private:

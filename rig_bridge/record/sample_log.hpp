@@ -1,4 +1,4 @@
-/// modbus.csv: what the PLC measured, a row for every reading.
+/// modbus.csv: the PLC's measured values, one row per reading.
 #pragma once
 
 #include <cstdint>

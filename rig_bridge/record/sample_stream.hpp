@@ -1,12 +1,12 @@
-/// Samples out of the frames on the bus, each with its time: live, or again from a log, with the same bits.
+/// Makes samples with their time from the frames on the bus: live, or later from a log, with bit-identical results.
 ///
 ///     SampleStream samples(layout, period_s);
 ///     for (frames) if (samples.accept(frame) && samples.ended()) use(samples.view(), samples.time_s());
 ///
-/// Where SYNC frames are on the bus, time is SYNC number times control period, and a sample is what was known when a SYNC ended it; a number
-/// that was overtaken, or that the next does not go on from, counts as no time. Without SYNC frames it is the kernel's stamp, cut to
-/// microseconds as a log has it; a sample ends with each pressure frame, the last of the sensors'. A stamp that goes back (the wall
-/// clock was set) counts as no time. Before all three sensors were heard there is no sample.
+/// With SYNC frames, time is SYNC number times control period, and each SYNC ends a sample; a number that is out of order, or that the next one does
+/// not continue, does not advance time. Without SYNC, time is the kernel's stamp, truncated to microseconds as in a log, and each pressure frame, the
+/// last of the sensors', ends a sample; a stamp that goes back (wall clock set) does not advance time. There is no sample before all three sensors
+/// have sent.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class SampleStream {
     SampleStream(const antiskid::can::Layout& layout, double period_s) : layout_(layout), period_s_(period_s), observer_(layout) {}
     SampleStream(const antiskid::can::Layout&& layout, double period_s) = delete;
 
-    /// There will be SYNC: no sample ends before the first.
+    /// SYNC frames will come: no sample ends before the first one.
     void expect_sync() { sync_expected_ = true; }
     /// Plain data frames with an 11-bit identifier, in the order in which they were recorded; `received` is the stamp of the record. The role
     /// of one that passed every check.
@@ -35,13 +35,13 @@ class SampleStream {
     [[nodiscard]] antiskid::can::Time time() const { return time_; }
     [[nodiscard]] const antiskid::can::BusView& view() const { return observer_.view(); }
     [[nodiscard]] const antiskid::can::Observer& observer() const { return observer_; }
-    /// Times that SYNC numbers began anew.
+    /// Number of restarts of the SYNC count.
     [[nodiscard]] std::uint64_t restarts() const { return restarts_; }
-    /// Times that a stamp was older than the one before.
+    /// Number of stamps older than the previous one.
     [[nodiscard]] std::uint64_t steps_back() const { return steps_back_; }
 
   private:
-    /// False for a number that counts as no time.
+    /// False for a number that does not advance time.
     [[nodiscard]] bool count_sync();
     void count_stamp(antiskid::can::Time stamp);
 

@@ -1,5 +1,4 @@
-/// Whose wear a maneuver is: serial numbers of the parts, who ran it, and what was noted. One list of fields for options, files, ledger and
-/// exports.
+/// Identifies the worn parts of a maneuver: serial numbers, operator and notes. One list of fields for options, files, ledger and exports.
 #pragma once
 
 #include <array>
@@ -9,7 +8,7 @@
 
 namespace rig::record {
 
-/// Empty: nobody said it.
+/// Empty fields are not specified.
 struct Specimen {
     std::string brake{}, disc{}, tyre{}, specimen{};  ///< serial numbers
     std::string operator_name{};
@@ -33,22 +32,22 @@ inline constexpr std::array kSpecimenFields{
     SpecimenField{"notes", "notes", "--notes", &Specimen::notes},
 };
 
-/// UTF-8 of at most kLongestText bytes without control characters, so that it is one line wherever it is written. Throws
-/// std::invalid_argument that names `what`.
+/// UTF-8 of at most kLongestText bytes without control characters, so that it fits on one line everywhere. Throws std::invalid_argument that names
+/// `what`.
 inline constexpr std::size_t kLongestText = 1000;
 void check_text(const std::string& what, const std::string& text);
 void check_texts(const Specimen& specimen);
 
-/// `said`, and where that is empty what held before.
+/// `said`, with empty fields taken from `before`.
 [[nodiscard]] Specimen taken_over(Specimen said, const Specimen& before);
 
 /// "brake B12, disc D7"; empty where nothing is known.
 [[nodiscard]] std::string to_text(const Specimen& specimen);
 
-/// Brake energy that each pair of brake and disc has taken in a campaign: that of another disc is not its wear.
+/// Brake energy taken by each pair of brake and disc in a campaign: the energy of another disc is not its wear.
 class DiscEnergy {
   public:
-    /// Next row of the campaign; `cumulative_J` of the campaign after it. Returns J of the brake and disc of this row, it included.
+    /// Call per row, with the campaign's cumulative energy after it. Returns the energy of this row's brake and disc so far, J.
     double after(const Specimen& specimen, double cumulative_J) {
         double& taken_J = taken_J_[{specimen.brake, specimen.disc}];
         taken_J += cumulative_J - before_J_;

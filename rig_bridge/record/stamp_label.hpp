@@ -1,5 +1,5 @@
-/// Time stamps of a record: wall clock when it begins, and from there on as the monotonic clock goes. Somebody who sets the wall clock in the
-/// middle of a maneuver changes no figure of it.
+/// Time stamps of a record: wall clock at its beginning, continued by the monotonic clock, so that setting the wall clock during a maneuver changes
+/// none of its figures.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,10 @@ namespace rig::record {
 
 class StampLabel {
   public:
-    /// `wall_minus_monotonic`: now, when the record begins.
+    /// `wall_minus_monotonic`: clock offset at the beginning of the record.
     explicit StampLabel(antiskid::can::Time wall_minus_monotonic) : offset_(wall_minus_monotonic) {}
 
-    /// For the kernel's stamp of a frame that came at `monotonic`: the stamp itself to the nanosecond, unless the clock was set;
-    /// never before the one before it.
+    /// For the kernel's stamp of a frame that came at `monotonic`: the kernel's stamp itself, unless the clock was set; never decreases.
     [[nodiscard]] antiskid::can::Time of(antiskid::can::Time stamp, antiskid::can::Time monotonic) {
         const antiskid::can::Time set = stamp - monotonic - offset_;
         const antiskid::can::Time news = set - set_;

@@ -1,5 +1,4 @@
-/// What one maneuver was: figures from its measured signals, and what was run. The content of summary.json and of one row
-/// of the ledger.
+/// Summary of a maneuver: figures from its measured signals, and what was run. Content of summary.json and of a row of the ledger.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +11,8 @@
 
 namespace rig::record {
 
-/// All from brake-on to standstill as the maneuver-state telemetry says, from bus frames alone: rebuilding them from
-/// bus.log gives the same bits.
+/// From brake-on to standstill by the maneuver-state telemetry, computed from bus frames alone: rebuilding them from bus.log gives bit-identical
+/// values.
 struct Figures {
     double brake_on_mps = 0.0;  ///< rim speed at brake-on
     double duration_s = 0.0;
@@ -30,10 +29,10 @@ struct Figures {
     bool standstill = false;
 };
 
-/// The warning of figures whose brake and tyre energy are not the kinetic energy that was lost.
+/// Warning: brake plus tyre energy differs from the kinetic energy lost.
 inline constexpr std::string_view kEnergyUnbalanced = "energy_unbalanced";
 
-/// The outcome of a maneuver that was aborted because the disk did not take its record.
+/// Outcome of a maneuver aborted because its record could not be written.
 inline constexpr std::string_view kRecordLost = "record_lost";
 
 struct Summary {
@@ -48,21 +47,21 @@ struct Summary {
     std::vector<std::string> faults;  ///< the controller's, by name
     /// Figures of a finished maneuver outside the scenario's bands, by their keys; none: not judged.
     std::optional<std::vector<std::string>> out_of_tolerance;
-    /// What is wrong with the record: a name, then what it is about. Empty for a sound one.
+    /// Problems of the record: name, then details. Empty for a valid one.
     std::vector<std::string> warnings;
     std::uint64_t frames = 0;          ///< recorded
-    std::uint64_t frames_dropped = 0;  ///< that the kernel dropped before the recorder: then the figures lack them
+    std::uint64_t frames_dropped = 0;  ///< dropped by the kernel before the recorder; missing in the figures
     std::uint64_t seed = 0;
     std::string version;
     std::string config_hash;
 };
 
-/// Finished, but not the maneuver that was asked for: its energy counts, its friction is no point of the campaign.
+/// Whether it finished out of tolerance: its energy counts, its friction is not a point of the campaign.
 [[nodiscard]] inline bool off_conditions(const Summary& summary) {
     return summary.out_of_tolerance && !summary.out_of_tolerance->empty();
 }
 
-/// What a maneuver adds to the cumulative energy: nothing where that is not known, until a person says it (Ledger::amend).
+/// A maneuver's contribution to the cumulative energy, J: 0 if unknown, until a person enters it (Ledger::amend()).
 [[nodiscard]] inline double counted_energy_J(const Summary& summary) {
     for (const std::string& warning : summary.warnings)
         if (warning.starts_with(kEnergyUnbalanced)) return 0.0;

@@ -1,4 +1,4 @@
-/// summary.json of a maneuver's folder, and the same for people.
+/// Reads and writes summary.json, and prints it for people.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,10 @@
 
 namespace rig::record {
 
-/// Whole or not at all (settings::write_file). Every double comes back with the same bits. Throws settings::Error.
+/// Written atomically (settings::write_file); doubles are read back bit-identical. Throws settings::Error.
 void write_summary(const std::filesystem::path& path, const Summary& summary, const settings::Storage& storage = settings::PosixStorage{});
 
-/// Throws settings::Error naming file and key: not there, no JSON, a key missing, unknown or of another type.
+/// Throws settings::Error naming file and key if the file is missing or not JSON, or a key is missing, unknown or of the wrong type.
 [[nodiscard]] Summary read_summary(const std::filesystem::path& path, const settings::Storage& storage = settings::PosixStorage{});
 
 /// A line for every figure, with units.

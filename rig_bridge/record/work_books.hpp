@@ -1,15 +1,15 @@
-/// Work of brake and tyre since brake-on: by the load cells, and where those are silent by the speeds. Load cells come through PLC and bridge;
-/// of a braking with a silent PLC, a standing bridge or a cut bus they say nothing, or what was true before.
+/// Work of brake and tyre since brake-on: from the load cells, or from the speeds while those are silent. Load cell values pass through PLC and
+/// bridge: with a silent PLC, a hanging bridge or a broken bus they are missing or old.
 ///
-/// Each step brings both, the work by the readings in hand since the newest knot, and its own work by the speeds. A knot is a reading that was
-/// not the one before it said again; between two knots readings are linear, so that it costs little how far apart they come. By the speeds it is
-/// the kinetic energy that was lost, shared by slip:
+/// Each step provides both: the work by load cells since the newest knot, and the step's work by speeds. A knot is a new reading, not a repetition;
+/// readings are interpolated linearly between knots, so that their spacing matters little. The work by speeds is the kinetic energy lost, divided by
+/// slip:
 ///
 ///     E_tyre = lambda d(m v^2 / 2), E_brake = (1 - lambda) d(m v^2 / 2) + d(J_w omega^2 / 2)
 ///
-/// After kSilent_s without a reading the speeds count, from the newest knot on, until readings have come for kBack_s: a speed is that of a window,
-/// and the first one after a hole is that of the hole. Drag of the flywheel's bearings, windage and an error of the wheel's radius are in the
-/// work by the speeds.
+/// After kSilent_s without a reading the work by speeds is used, from the newest knot on, until readings have come for kBack_s: a speed is a mean
+/// over a window, and the first one after a gap covers the gap. The work by speeds includes bearing drag, windage and the error of the wheel's
+/// radius.
 #pragma once
 
 #include <cstdint>
@@ -26,26 +26,26 @@ struct Work {
     Work& operator+=(const Work& other);
 };
 
-/// Of the load cells, in one step.
+/// State of the load cell values in one step.
 enum class CellReading : std::uint8_t { none, repeated, fresh };
 
 class WorkBooks {
   public:
     explicit WorkBooks(double time_s = 0.0) : heard_s_(time_s), knot_s_(time_s) {}
 
-    /// Until `time_s`, which must not fall: `by_cells` since the newest knot, `by_speeds` since the step before. True: here is a new knot.
+    /// Adds a step up to `time_s`, which must not decrease: `by_cells` since the newest knot, `by_speeds` since the last step. True: new knot.
     bool add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds);
 
     [[nodiscard]] const Work& work() const { return work_; }
-    /// The speeds count now.
+    /// Whether the work by speeds is used now.
     [[nodiscard]] bool silent() const { return silent_; }
-    /// Of work(), what the speeds have said; and for how long they did.
+    /// The part of work() from speeds, and its duration.
     [[nodiscard]] Work by_speeds() const;
     [[nodiscard]] double silent_s() const { return closed_s_ + (silent_ ? now_s_ - knot_s_ : 0.0); }
 
   private:
     static constexpr double kSilent_s = 0.1;    // ten frames
-    static constexpr double kRepeated_s = 0.1;  // load_cells_ms of bridge.toml: so long an old reading is said again
+    static constexpr double kRepeated_s = 0.1;  // load_cells_ms of bridge.toml: an old reading is repeated for this time
     static constexpr double kBack_s = 0.03;
 
     bool close();

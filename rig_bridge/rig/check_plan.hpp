@@ -1,11 +1,11 @@
-/// Whether a plan can be run at all.
+/// Validates a plan.
 #pragma once
 
 #include "rig_bridge/rig/sequencer.hpp"
 
 namespace rig {
 
-/// Throws std::invalid_argument naming the member of the plan, what it is and what would be right.
+/// Throws std::invalid_argument naming the plan's member, its value and what would be right.
 void check(const Plan& plan);
 
 }  // namespace rig

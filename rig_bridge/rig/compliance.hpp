@@ -1,5 +1,5 @@
-/// What gives way between the rim and the aircraft: the tyre's carcass and the gear leg. Zero switches a part off; with none of them the
-/// tyre's force follows its slip at once, as the paper has it.
+/// Compliance between rim and aircraft: the tyre's carcass and the gear leg. Zero disables a part; without any, the tyre's force follows its slip at
+/// once, as in the paper.
 ///
 /// Sources of the ranges: R. F. Smiley, W. B. Horne, Mechanical properties of pneumatic tires, NACA TN 4110, 1958 (fore-and-aft stiffness,
 /// relaxation lengths); J. A. Tanner, Fore-and-aft elastic response characteristics of 34 x 9.9, type VII, 14 ply-rating aircraft tires of
@@ -19,10 +19,10 @@ struct RingParameters {
 /// sigma is the slope of mu over its slope at zero slip, times `length_m`: carcass stiffness is a constant, the tread's is not.
 struct RelaxationParameters {
     double length_m = 0.0;  ///< sigma at no slip, 0 (none) to 1; 0.03 to 0.6
-    double floor_m = 0.02;  ///< sigma is nowhere shorter; as long as `length_m`: it does not depend on slip
+    double floor_m = 0.02;  ///< lower limit of sigma; equal to `length_m`: sigma is constant
 };
 
-/// The leg bends fore and aft: axle and aircraft move at speeds of their own, and eq. (3) holds with the axle's.
+/// The leg bends fore and aft: axle and aircraft have different speeds, and eq. (3) uses the axle's.
 struct LegParameters {
     double mass_kg = 0.0;       ///< that moves with the axle, part of the mass on the wheel; 0: rigid
     double frequency_Hz = 0.0;  ///< of that mass on the leg, aircraft held; 8 to 20

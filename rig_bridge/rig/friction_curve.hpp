@@ -1,7 +1,7 @@
 /// Friction of the brake over a stop, as eq. (7) measures it, and the mean of the curve behind it.
 ///
-/// mu_b varies within a stop (Fig. 6), and eq. (7) divides mean torque by mean pressure: at constant torque that is a harmonic mean over the
-/// stop, 1 to 4 % below the curve's own mean, the more the less friction is left.
+/// mu_b varies within a stop (Fig. 6), and eq. (7) divides mean torque by mean pressure: at constant torque that is a harmonic mean over the stop, 1
+/// to 4 % below the curve's arithmetic mean, with a larger difference at lower friction.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ using FrictionCurve = std::array<double, 4>;
 /// curve brought to the mean `friction` as BrakeTorque does; positive friction everywhere, see min_friction().
 [[nodiscard]] double measured_friction(const FrictionCurve& curve, double friction, double end);
 
-/// The mean of which measured_friction() is `measured`; NaN where none on this curve is.
+/// The mean for which measured_friction() gives `measured`; NaN if there is none on this curve.
 [[nodiscard]] double mean_of_measured(const FrictionCurve& curve, double measured, double end);
 
 }  // namespace rig

@@ -1,4 +1,4 @@
-/// What the meter must know of a rig.
+/// Makes the meter's parameters from a rig's configuration.
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -24,7 +24,7 @@ namespace rig {
             .period_s = period_s};
 }
 
-/// The same for a rig whose sensors are not taken on trust: what they can report is the controller's configuration.
+/// The same with limits of plausible sensor values, from the controller's configuration.
 [[nodiscard]] inline record::MeterParameters meter_parameters(const Scenario& scenario, const antiskid::control::Config& controller) {
     record::MeterParameters p = meter_parameters(scenario.rig, static_cast<double>(controller.period_s));
     p.wheel_max_radps = static_cast<double>(controller.wheel.encoder.max_speed_radps);

@@ -1,19 +1,18 @@
-/// From valve current to brake pressure at rest.
+/// Static map from valve current to brake pressure.
 #pragma once
 
 #include <vector>
 
 namespace rig {
 
-/// The static map: monotone, linear between its points, held beyond them.
+/// Monotone, linear between its points, constant beyond them.
 class PressureMap {
   public:
     struct Point {
         double current_mA;
         double pressure_Pa;
     };
-    /// Needs two points at least, currents strictly increasing, pressures not falling; throws
-    /// std::invalid_argument.
+    /// At least two points, currents strictly increasing, pressures not falling; throws std::invalid_argument.
     explicit PressureMap(std::vector<Point> points);
 
     [[nodiscard]] double pressure_Pa(double current_mA) const;

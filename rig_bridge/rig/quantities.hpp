@@ -1,5 +1,5 @@
-/// What the rig's PLC measures and what it can be told, in SI, whatever the registers look like. The register map
-/// (register_map.hpp, config/registers.toml) says where each quantity stands and how it is coded.
+/// Measured quantities and commands of the rig's PLC, in SI units, independent of the registers. Addresses and coding: register_map.hpp,
+/// config/registers.toml.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@ namespace rig {
 
 /// Input registers: read by the bridge, written by the PLC.
 enum class Measured : std::uint8_t {
-    map_version,            ///< must be the map's own, or nothing else is believed
+    map_version,            ///< must match the map, otherwise nothing else is used
     plc_watchdog,           ///< counts up, modulo 65536, at least every 100 ms while the PLC runs
     plc_state,              ///< a PlcState
-    applied_commit,         ///< the commit number of the newest command that was taken over whole
-    rejected_commit,        ///< the newest that was refused (out of range, in a state that forbids it); 0: none
+    applied_commit,         ///< commit number of the newest command that was applied
+    rejected_commit,        ///< that of the newest refused command (out of range, or not allowed in this state); 0: none
     interlocks,             ///< bits, see Interlock; a set bit is "good"
     flywheel_speed_mps,     ///< rim speed
     sledge_position_m,      ///< 0 retracted; wheel and rim touch at the PLC's own contact position
     wheel_on_rim,           ///< 0 or 1
-    loading_force_N,        ///< of the loading device's actuator, as it controls it
+    loading_force_N,        ///< of the loading device's actuator, by its own control
     vertical_load_N,        ///< load cell
     longitudinal_force_N,   ///< load cell, positive when the tyre brakes the flywheel
     brake_torque_Nm,        ///< load cell
@@ -32,19 +32,19 @@ inline constexpr std::size_t kMeasuredCount = 15;
 /// Holding registers: written by the bridge. Everything but the watchdog takes effect, all at once, when `commit`
 /// changes to a value other than 0.
 enum class Commanded : std::uint8_t {
-    bridge_watchdog,     ///< must change at least once in the PLC's watchdog time, or the PLC trips
+    bridge_watchdog,     ///< must change within the PLC's watchdog time, otherwise the PLC trips
     drive_enable,        ///< 0 or 1
     flywheel_speed_mps,  ///< set-point of the drive
     sledge_advance,      ///< 0: retract, 1: to the rim
     load_enable,         ///< 0: contact force only, 1: the law below
     load_base_N,         ///< m g of eq. (2), or the constant force
     load_lift_Ns2pm2,    ///< rho S C_l / 2 of eq. (2); 0: constant
-    reset,               ///< 1: leave `tripped`, where every interlock is good; taken on its rising edge
+    reset,               ///< rising edge: leave `tripped` if every interlock is good
     commit,
 };
 inline constexpr std::size_t kCommandedCount = 9;
 
-/// Bits of Measured::interlocks, numbered as here; in the register they stand where the map says.
+/// Bits of Measured::interlocks, numbered as here; the map gives their places in the register.
 enum class Interlock : std::uint8_t { emergency_stop_clear, guard_closed, hydraulics_ready, drive_healthy };
 inline constexpr std::size_t kInterlockCount = 4;
 

@@ -1,4 +1,4 @@
-/// The one source of random numbers: seeded, handed in, the same sequence on every machine.
+/// The source of random numbers: seeded, passed in, same sequence on every machine.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,8 @@ class Random {
         return z ^ (z >> 31U);
     }
 
-    /// Mean 0, standard deviation 1, bounded at 3.46: the sum of four uniform draws, which noise of a sensor
-    /// needs no better and which keeps edge times in order. The error of its distribution function against
-    /// the normal is below 0.01.
+    /// Mean 0, standard deviation 1, bounded at 3.46: the sum of four uniform draws, good enough for sensor noise; the bound keeps edge times in
+    /// order. The error of its distribution function against the normal is below 0.01.
     double noise() {
         const std::uint64_t b = bits();
         const auto sum = static_cast<double>((b & 0xFFFFU) + ((b >> 16U) & 0xFFFFU) + ((b >> 32U) & 0xFFFFU) + (b >> 48U));

@@ -1,4 +1,4 @@
-/// Which requests read or write a set of fields.
+/// Groups fields into read and write requests.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,7 @@ struct Block {
     friend bool operator==(const Block&, const Block&) = default;
 };
 
-/// The fewest blocks, by address, that cover the fields and no register beside them. No block has more than `most`
-/// registers, no field is in two.
+/// The fewest blocks, by address, that cover exactly the fields' registers. No block exceeds `max` registers, no field is split.
 [[nodiscard]] std::vector<Block> blocks_of(std::span<const Field> fields, std::uint16_t max);
 
 }  // namespace rig

@@ -1,8 +1,8 @@
-/// Between SI values and 16-bit registers.
+/// Converts between SI values and 16-bit registers.
 ///
 /// Writing: raw = (value - offset) / scale, rounded to the nearest, halves away from zero. A value outside the field's
 /// declared range is saturated to it first; NaN is refused and leaves the registers as they are. Reading: raw * scale +
-/// offset, with a judgement; the value itself is handed on as it stands. float32 is IEEE 754 binary32.
+/// offset, with a validity; an invalid value is returned unchanged. float32 is IEEE 754 binary32.
 #pragma once
 
 #include <cstdint>
@@ -27,12 +27,12 @@ struct Reading {
     ValueQuality quality = ValueQuality::never;
 };
 
-/// `words` are the field's own, width(field.type) of them.
+/// `words`: the field's width(field.type) registers.
 [[nodiscard]] Reading decode(const Field& field, WordOrder order, std::span<const std::uint16_t> words);
 /// False, and `words` untouched, for NaN.
 [[nodiscard]] bool encode(const Field& field, WordOrder order, double value, std::span<std::uint16_t> words);
 
-/// The registers of one space from the lowest address in use to the highest. Those between fields are 0.
+/// The registers of one space from the lowest to the highest used address. Unused ones are 0.
 class RegisterImage {
   public:
     RegisterImage(std::span<const Field> fields, WordOrder order);
@@ -61,7 +61,7 @@ class RegisterImage {
 
 /// One quantity of an image of input registers in SI; the interlock bits are numbered as Interlock.
 [[nodiscard]] Reading read(const RegisterMap& map, const RegisterImage& inputs, Measured q);
-/// The other way; NaN leaves its register as it was.
+/// Encodes all values; NaN leaves its register unchanged.
 void write(const RegisterMap& map, RegisterImage& inputs, const MeasuredValues& values);
 
 [[nodiscard]] CommandedValues read_commanded(const RegisterMap& map, const RegisterImage& holdings);

@@ -1,5 +1,5 @@
-/// Where each quantity stands in the PLC's registers and how it is coded: config/registers.toml in memory.
-/// Addresses are those of the protocol, counted from 0, one space for input and one for holding registers.
+/// Address and coding of each quantity in the PLC's registers, from config/registers.toml. Protocol addresses, from 0; input and holding registers
+/// have separate address spaces.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ enum class RegisterType : std::uint8_t { u16, i16, u32, float32 };
     return type == RegisterType::u16 || type == RegisterType::i16 ? 1 : 2;
 }
 
-/// Of a quantity in two registers; inside a register Modbus is always high byte first.
+/// Order of the two registers of a 32-bit quantity; within a register Modbus sends the high byte first.
 enum class WordOrder : std::uint8_t {
     big,     ///< high word at the lower address, "ABCD"
     little,  ///< low word at the lower address, "CDAB"
@@ -38,14 +38,14 @@ struct Field {
     std::string unit;
 };
 
-/// How the client waits for this device.
+/// The client's times for this device.
 struct LinkTimes {
     std::chrono::milliseconds poll{20};
     std::chrono::milliseconds connect_timeout{500};
     std::chrono::milliseconds response_timeout{200};
     std::chrono::milliseconds backoff_min{100};   ///< between a lost link and the next attempt; doubles ...
     std::chrono::milliseconds backoff_max{2000};  ///< ... up to this
-    /// The client keeps the PLC's view of the bridge alive only while its user calls at least this often.
+    /// The client stops the bridge's watchdog if its caller has not called for this time.
     std::chrono::milliseconds user_timeout{100};
 };
 
@@ -59,8 +59,8 @@ struct RegisterMap {
     std::uint16_t version = 0;
     WordOrder word_order = WordOrder::big;
     std::uint8_t unit_id = 1;
-    std::chrono::milliseconds bridge_timeout{};  ///< the PLC trips when bridge_watchdog stands still for so long
-    std::chrono::milliseconds plc_timeout{};     ///< the PLC is silent when plc_watchdog stands still for so long
+    std::chrono::milliseconds bridge_timeout{};  ///< the PLC trips after this time without a change of bridge_watchdog
+    std::chrono::milliseconds plc_timeout{};     ///< the PLC counts as silent after this time without a change of plc_watchdog
     LinkTimes link;
     SerialLine serial;
     std::array<Field, kMeasuredCount> measured;    ///< input registers, by Measured
@@ -68,7 +68,7 @@ struct RegisterMap {
     /// Bit of each Interlock in the interlocks register. In MeasuredValues it is always bit i for Interlock i.
     std::array<std::uint8_t, kInterlockCount> interlock_bit{};
     Field open_interlocks;             ///< holding, virtual PLC only: set bits (as in the register) are forced open
-    Field hang_s;                      ///< holding, virtual PLC only: no answer for so long from the next request on
+    Field hang_s;                      ///< holding, virtual PLC only: delay of the answer to the next request
     std::optional<Field> bridge_turn;  ///< holding, virtual PLC only: lockstep_turn.hpp
 
     [[nodiscard]] const Field& field(Measured q) const { return measured[static_cast<std::size_t>(q)]; }

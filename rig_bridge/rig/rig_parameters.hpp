@@ -1,4 +1,4 @@
-/// What a rig is, in numbers: the wheel, its load, the brake, the valve and the sensors.
+/// Parameters of a rig: wheel, load, brake, valve and sensors.
 #pragma once
 
 #include "rig_bridge/rig/compliance.hpp"
@@ -21,9 +21,9 @@ struct BrakeGeometry {
 struct EncoderParameters {
     double teeth = 60.0;
     double jitter_s = 0.0;         ///< standard deviation of an edge's time stamp
-    double slowest_edges_hz = 10;  ///< a magnetic pick-up gives nothing below this rate
-    double pitch_error = 0.0;      ///< of each tooth's place, of its pitch, evenly to both sides; the same teeth every time
-    double eccentricity = 0.0;     ///< of the ring of teeth: speed seen over speed, less 1, at the most within a turn
+    double slowest_edges_hz = 10;  ///< a magnetic pick-up has no signal below this rate
+    double pitch_error = 0.0;      ///< largest error of a tooth's position, as share of the pitch; uniform, constant for each tooth
+    double eccentricity = 0.0;     ///< of the toothed ring: largest relative error of the measured speed within a turn
 };
 
 struct TransducerParameters {
@@ -48,7 +48,7 @@ struct WheelParameters {
     Compliance compliance{};     ///< of tyre and leg; none: Wheel, otherwise CompliantWheel
 };
 
-/// How the vertical load comes about.
+/// The vertical load.
 struct LoadParameters {
     double base_N = 0.0;       ///< m g of eq. (2), or the set-point of the loading device
     double lift_Ns2pm2 = 0.0;  ///< rho S C_l / 2 of eq. (2)
@@ -67,10 +67,10 @@ struct RigParameters {
     EncoderParameters flywheel_encoder;
     double flywheel_radius_m = 0.0;  ///< R_f of the wheel that measures v
     TransducerParameters transducer;
-    Surface surface;  ///< of the whole runway, and where `runway` says nothing
+    Surface surface;  ///< of the whole runway, or where `runway` has no patch
     Runway runway{};
     double brake_on_mps = 0.0;   ///< speed of the maneuver
-    double touchdown_mps = 0.0;  ///< initial speed where spinning the wheel up costs some; 0: brake_on_mps
+    double touchdown_mps = 0.0;  ///< initial speed, if spinning up the wheel reduces it; 0: brake_on_mps
 };
 
 }  // namespace rig

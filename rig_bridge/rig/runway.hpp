@@ -9,7 +9,7 @@
 
 namespace rig {
 
-/// From `from_m` on to the next patch.
+/// Extends from `from_m` to the next patch.
 struct Patch {
     double from_m = 0.0;
     Surface surface;
@@ -23,7 +23,7 @@ struct Runway {
     [[nodiscard]] bool wet() const {
         return std::any_of(patches.begin(), patches.end(), [](const Patch& patch) { return patch.surface.wet.has_value(); });
     }
-    /// How many patches have begun at a distance.
+    /// Number of patches that begin at or before a distance.
     [[nodiscard]] std::size_t begun(double distance_m) const {
         const auto begins = [](double at, const Patch& patch) { return at < patch.from_m; };
         return static_cast<std::size_t>(std::upper_bound(patches.begin(), patches.end(), distance_m, begins) - patches.begin());

@@ -1,5 +1,5 @@
-/// What kind of maneuver is run, on which rig: config/scenarios/NAME.toml with the files that it refers to by name. Read by rig-bridge,
-/// virtual-rig serve and rig-lab alike, so that all know which rig and maneuver is meant.
+/// Maneuver and rig of a scenario: config/scenarios/NAME.toml and the files that it refers to. Read by rig-bridge, virtual-rig serve and rig-lab, so
+/// that all use the same rig and maneuver.
 ///
 ///     const rig::Scenario scenario = rig::load_scenario("config/scenarios/heavy.toml");
 ///     rig::Sequencer sequencer(rig::plan(scenario, seed, number));
@@ -23,7 +23,7 @@ struct Scatter {
     double deceleration_mps2 = 0.0;
 };
 
-/// What a figure of a finished maneuver may be, both ends included.
+/// Allowed range of a figure of a finished maneuver, both ends included.
 struct Band {
     const record::FigureField* figure = nullptr;  ///< of kFigureFields
     double min = 0.0;
@@ -38,7 +38,7 @@ struct Scenario {
     std::filesystem::path controller;  ///< configuration of the controller that this rig needs
     rig::Plan mean;                    ///< without scatter
     Scatter scatter;
-    std::vector<Band> acceptance;  ///< as the file declares it; what holds: acceptance.hpp
+    std::vector<Band> acceptance;  ///< as declared in the file; see acceptance.hpp for the bands in force
     double energy_band = 0.0;      ///< of the meter, see MeterParameters
     /// Every file that was read, for the hash of results: scenario, sequencer.toml, those of the rig. Not `controller`, which is the
     /// controller's own.
@@ -54,8 +54,8 @@ struct Scenario {
 /// std::invalid_argument for a plan that cannot be run.
 [[nodiscard]] Scenario load_scenario(const std::filesystem::path& file, const std::filesystem::path& config = "config");
 
-/// The maneuver of this number, from 1, in a campaign of this seed: what is scattered is drawn from these two alone, so that a campaign that
-/// is resumed goes on as if it had never been interrupted.
+/// The maneuver of this number, from 1, in a campaign of this seed. Scatter depends only on these two, so that a resumed campaign continues as
+/// without interruption.
 [[nodiscard]] rig::Plan plan(const Scenario& scenario, std::uint64_t seed, std::int64_t number);
 
 }  // namespace rig

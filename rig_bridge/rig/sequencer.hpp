@@ -1,5 +1,5 @@
-/// The maneuver sequencer: a pure step function like the controller. What is known of the rig goes in with the time,
-/// what the rig shall do comes out. No clock, no bus, no Modbus, no allocation in step().
+/// The maneuver sequencer: a pure step function like the controller. Inputs are the rig's state and the time, outputs the commands to the rig. No
+/// clock, no bus, no Modbus, no allocation in step().
 ///
 ///     Sequencer sequencer(plan);
 ///     while (!sequencer.over()) act(sequencer.step(look(), now_s()));
@@ -7,29 +7,26 @@
 ///     idle -> spin_up -> touchdown -> settling -> braking -> standstill -> retract -> cool_down -> finished
 ///       any of them -> aborting -> aborted
 ///
-/// What leads on, and what is on meanwhile (everything else is off, and demand 0):
+/// What is on in each phase (everything else is off, demand 0), and the condition that ends it:
 ///   idle        nothing on. Every interlock good, PLC ready, sledge back, flywheel not above the set-point, brake cold enough for
 ///               brake-on, no pressure, controller in standby
-///   spin_up     drive on. Set-point (below) held within `speed_tolerance_mps`: arms; controller armed: on
-///   touchdown   armed, sledge advances, load enabled, drive off. Wheel on the rim: on
+///   spin_up     drive on. Set-point (below) held within `speed_tolerance_mps`: arms; controller armed: next phase
+///   touchdown   armed, sledge advances, load enabled, drive off. Wheel on the rim: next phase
 ///   settling    the same, weight on wheels. `settle_s` over, slip below `settle_slip` and load within its band for
 ///               `settle_hold_s`, and the speed has fallen to the prescribed one: brake-on
-///   braking     the same, full demand. Standstill: on
-///   standstill  demand for `hold_s`, then none; pressure gone: on
-///   retract     disarmed, load off, sledge back. Sledge back: on
+///   braking     the same, full demand. Standstill: next phase
+///   standstill  demand for `hold_s`, then none; pressure gone: next phase
+///   retract     disarmed, load off, sledge back. Sledge back: next phase
 ///   cool_down   nothing on. Brake at `cool_to_C`: finished
-/// Each has a time limit. One step goes on by one phase at the most; the first is always idle.
+/// Each phase has a time limit. A step advances by at most one phase; the first is always idle.
 ///
-/// The set-point of the drive is what leaves the prescribed speed when the wheel has touched down. The flywheel, whose rim runs at v', gives a
-/// wheel that turns at omega what it lacks: m v' + (J_w / r^2) r omega = (m + J_w / r^2) v. omega is measured, so a wheel that still turns
-/// after an abort is brought to the same speed at brake-on as one that stands. `coasting_mps` for drag comes on top. While the wheel slows
-/// down the set-point rises, in steps of half the tolerance.
+/// The drive's set-point v' is chosen so that the prescribed speed v remains after touchdown, when the flywheel accelerates the wheel, which turns at
+/// omega, to its rim speed: m v' + (J_w / r^2) r omega = (m + J_w / r^2) v. omega is measured, so that speed at brake-on is the same if the wheel
+/// still turns after an abort. `coasting_mps` is added for drag. As the wheel slows down, the set-point rises in steps of half the tolerance.
 ///
-/// Abort. The conditions of Abort are looked at in every phase before anything else; the outputs of that very step are the safe ones:
-/// disarmed, no demand, no current, drive off, load off, sledge back. In idle, where nothing is on, a condition only keeps the maneuver from
-/// starting, and is its cause when the limit of idle passes. Causes after which the controller must be told by a way of its own, too
-/// (stops_controller()), send the emergency stop as long as aborting lasts.
-/// A value that is no number is as bad as none: its source counts as silent.
+/// Abort: its conditions are checked first in every phase; the outputs of the same step are already safe: disarmed, no demand, no current, drive off,
+/// load off, sledge back. In idle, where nothing is on, a condition only prevents the start; it becomes the abort cause when idle times out. Causes
+/// for which stops_controller() is true also send the emergency stop during aborting. NaN counts as missing: its source is treated as silent.
 #pragma once
 
 #include <array>
@@ -56,10 +53,10 @@ enum class Phase : std::uint8_t {
 inline constexpr std::uint8_t kPhaseCount = 11;
 [[nodiscard]] std::string_view name(Phase phase);
 
-/// Why a maneuver was aborted; the first cause counts, but for a controller's silence or fault of which two_senders turns out to be the cause.
-/// Of several in one step it is the one nearest to the root: plc_silent, interlocks, plc_tripped, foreign_command, command_rejected, overspeed,
-/// bus_lost, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault, load_lost, brake_hot, requested, phase_timeout.
-/// What each means, in plain words, and what to do: next_step.hpp.
+/// Why a maneuver was aborted: the first cause, except that two_senders replaces controller_silent or controller_fault if found later. Of several in
+/// one step the first in this order, nearest to the root, is taken: plc_silent, interlocks, plc_tripped, foreign_command, command_rejected,
+/// overspeed, bus_lost, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault, load_lost, brake_hot, requested,
+/// phase_timeout. What each means, in plain words, and what to do: next_step.hpp.
 enum class Abort : std::uint8_t {
     none,
     requested,       ///< the user
@@ -69,7 +66,7 @@ enum class Abort : std::uint8_t {
     drive_fault,
     plc_silent,  ///< no fresh registers, a register that is no number, or the PLC's watchdog stands still
     plc_tripped,
-    command_rejected,   ///< the PLC refused a commit, or did not confirm it in time; or the sledge is out while the drive pulls
+    command_rejected,   ///< the PLC refused a commit or did not confirm it in time; or the sledge is out while the drive is on
     controller_silent,  ///< no fresh status frames
     controller_fault,   ///< the controller is in its safe state; or, from touchdown to the end of the hold, not armed
     bus_lost,           ///< CAN interface down or bus-off
@@ -85,12 +82,12 @@ enum class Abort : std::uint8_t {
 inline constexpr std::uint8_t kAbortCount = 20;
 [[nodiscard]] std::string_view name(Abort abort);
 
-/// Causes that send the emergency stop, because disarming by the maneuver command alone may not do: a danger to people or machine, a
-/// wheel that may leave the rim under pressure, or a controller that may not hear or mend itself. The rest (requested, command_rejected,
-/// controller_fault, phase_timeout, brake_hot) disarm, which is as fast: the controller then is in standby, with no fault latched.
+/// Causes that send the emergency stop, because disarming by the maneuver command may not suffice: danger to people or machine, a wheel that may
+/// leave the rim under pressure, or a controller that may not receive commands. The others (requested, command_rejected, controller_fault,
+/// phase_timeout, brake_hot) only disarm, which is as fast and leaves the controller in standby without latched faults.
 [[nodiscard]] bool stops_controller(Abort abort);
 
-/// How the current is found; codes as on the bus.
+/// How the valve current is determined; codes as on the bus.
 enum class BrakeLaw : std::uint8_t { slip = 0, deceleration = 1, open_loop = 2, threshold = 3, pressure_bias = 4, peak_slip = 5 };
 
 struct CurrentPoint {
@@ -109,38 +106,37 @@ struct Plan {
     double deceleration_mps2 = 0.0;
     std::vector<CurrentPoint> current;  ///< of the open-loop law
 
-    // How long and how exactly.
-    double speed_tolerance_mps = 0.02;  ///< spin-up ends within this of the set-point, brake-on is at most so much too fast
+    // Durations and tolerances.
+    double speed_tolerance_mps = 0.02;  ///< spin-up ends within this of the set-point; largest excess of speed at brake-on
     double wheel_share = 0.005;         ///< J_w / (m r^2): inertia of the wheel, at the rim, over the flywheel's
     double rolling_radius_m = 0.32;     ///< r(F_z) of the wheel at brake-on
     double coasting_mps = 0.07;         ///< lost to drag between drive off and brake-on
     double settle_s = 1.0;              ///< shortest settling
     double settle_slip = 0.01;          ///< settled when wheel and rim differ by less, for settle_hold_s
     double settle_hold_s = 0.2;
-    /// No brake-on when the speed has fallen by more than this below the prescribed one; no rim faster by more than this than a spin-up can
-    /// ask for; and PLC and encoder differ by no more.
+    /// Allowed shortfall of speed at brake-on, excess of rim speed over the largest set-point, and difference between PLC and encoder.
     double speed_band_mps = 2.0;
-    double mismatch_s = 0.5;  ///< for so long they may, all the same: readings are as old as the link is slow
+    double mismatch_s = 0.5;  ///< how long PLC and encoder may differ by more, because readings are delayed by the link
     double standstill_mps = 0.1;
     double sledge_back_m = 0.01;       ///< retracted is below this
     double pressure_gone_Pa = 0.5e6;   ///< released is below this
     double hold_s = 0.2;               ///< pressure held after standstill
     double cool_to_C = 1000.0;         ///< end of the cool-down
     double brake_on_limit_C = 1000.0;  ///< no brake-on above it
-    double load_band = 0.5;            ///< share of the law by which the measured load may be off while braking
+    double load_band = 0.5;            ///< allowed relative deviation of the measured load from the law while braking
 
     // Limits of the phases, s.
     double idle_limit_s = 30.0, spin_up_limit_s = 180.0, touchdown_limit_s = 15.0, settling_limit_s = 10.0, braking_limit_s = 120.0,
            standstill_limit_s = 10.0, retract_limit_s = 30.0, cool_down_limit_s = 3600.0, abort_limit_s = 600.0;
 };
 
-/// What is known of the rig. Values count only while the flag of their source is set.
+/// The rig's state. Values are valid only while their source's flag is set.
 struct Inputs {
     bool plc_fresh = false;  ///< registers younger than the bridge's limit, watchdog alive
     bool plc_ready = false;  ///< PlcState::ready
     bool commit_rejected = false;
     bool commit_late = false;      ///< the last command has not been confirmed in time
-    bool foreign_command = false;  ///< the PLC has answered a command of somebody else since the last step
+    bool foreign_command = false;  ///< the PLC has answered another client's command since the last step
     bool emergency_stop_clear = false, guard_closed = false, hydraulics_ready = false, drive_healthy = false;
     double flywheel_mps = 0.0;
     double flywheel_age_s = 0.0;  ///< of that reading
@@ -150,7 +146,7 @@ struct Inputs {
     double brake_temperature_C = 0.0;
 
     bool bus_up = false;
-    bool two_senders = false;    ///< of what only one controller, or one bridge, may send
+    bool two_senders = false;    ///< two controllers, or two bridges, send
     bool sensors_fresh = false;  ///< encoder and pressure frames
     double rim_mps = 0.0;        ///< of the flywheel, from the encoder on the bus
     double rim_age_s = 0.0;      ///< of its newest frame
@@ -186,7 +182,7 @@ struct Outputs {
     bool emergency_stop = false;  ///< send the emergency stop frame
 };
 
-/// The fastest that a rim may turn: the set-point for a wheel that stands, and `speed_band_mps`.
+/// Highest allowed rim speed: the set-point for a wheel at standstill plus `speed_band_mps`.
 [[nodiscard]] double top_speed_mps(const Plan& plan);
 
 class Sequencer {
@@ -195,13 +191,13 @@ class Sequencer {
     /// not be, a load law that falls to zero at the prescribed speed, an open loop without a rising profile.
     explicit Sequencer(Plan plan);
 
-    /// `now_s` does not fall (where it does, time stands still). Calls may be 1 ms to 100 ms apart; the first one starts the clock.
+    /// `now_s` must not decrease (if it does, time stops). Calls are 1 ms to 100 ms apart; the first one starts the clock.
     [[nodiscard]] Outputs step(const Inputs& inputs, double now_s);
 
     [[nodiscard]] Phase phase() const { return phase_; }
     [[nodiscard]] Abort abort() const { return abort_; }
     [[nodiscard]] bool over() const { return phase_ == Phase::finished || phase_ == Phase::aborted; }
-    /// Aborted, and the safe end was seen: sledge back, no pressure. False when it was given up after `abort_limit_s`.
+    /// Whether, after an abort, the safe end was reached: sledge back, no pressure. False if it was not within `abort_limit_s`.
     [[nodiscard]] bool safe_end_seen() const { return phase_ == Phase::aborted && safe_end_; }
     [[nodiscard]] const Plan& plan() const { return plan_; }
 
@@ -232,8 +228,8 @@ class Sequencer {
     double entered_s_ = 0.0;  // the phase
     double brake_on_s_ = 0.0;
     double unsettled_s_ = 0.0;  // newest time at which the wheel was not settled
-    double disagreed_s_ = 0.0;  // for which PLC and encoder, both heard, had not the same speed
-    double set_mps_ = 0.0;      // in spin_up: what the drive is told
+    double disagreed_s_ = 0.0;  // for which PLC and encoder, both fresh, have differed in speed
+    double set_mps_ = 0.0;      // in spin_up: set-point of the drive
     bool arming_ = false;       // in spin_up: the set-point was reached
     bool safe_end_ = false;
 };

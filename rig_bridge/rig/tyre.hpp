@@ -34,7 +34,7 @@ struct Friction {
     double mu_1;
 };
 
-/// mu and mu_1 at slip lambda; odd in lambda: C1 at zero, the second derivative jumps there. Same bits on every machine, unlike libm's exp.
+/// mu and mu_1 at slip lambda; odd in lambda, continuously differentiable at zero. Bit-identical on every machine, unlike libm's exp.
 [[gnu::always_inline]] inline Friction friction(const FrictionLaw& law, double lambda) {
     const double e = wear::exp_not_positive(-law.c2 * std::abs(lambda));
     const double magnitude = law.c1 * (1.0 - e) - law.c3 * std::abs(lambda);
@@ -56,7 +56,7 @@ Peak peak(const FrictionLaw& law);
 inline Peak peak(const Surface& surface) {
     return peak(surface.law());
 }
-/// The friction that is available to a wheel that rolls at this speed.
+/// The friction available to a wheel rolling at this speed.
 Peak peak(const Surface& surface, double v_mps);
 
 }  // namespace rig

@@ -1,13 +1,13 @@
-/// The greatest friction of a wet runway, which falls with ground speed and, on a flooded one, is gone above the hydroplaning speed.
+/// Peak friction of a wet runway, which decreases with ground speed and, on a flooded runway, vanishes above the hydroplaning speed.
 ///
 /// Wet: 14 CFR 25.109(c)(1) for smooth runways and (d)(2) for grooved ones or porous friction courses (Amdt. 25-92), polynomials in true
 /// ground speed at tyre pressures of 50, 100, 200 and 300 psi; between them linear, as the regulation allows. The
-/// coefficients were not compared with a printed copy (docs/user/scenarios.md). Each curve falls over all speeds of a landing, but for the
-/// grooved ones' first knots.
+/// coefficients were not compared with a printed copy (docs/user/scenarios.md). Each curve decreases over all speeds of a landing, except the grooved
+/// ones over the first knots.
 ///
 /// Flooded: a rolling tyre floats from 9 sqrt(p) knots on, p in psi (W. B. Horne, R. C. Dreher, Phenomena of pneumatic tire hydroplaning,
-/// NASA TN D-2056, 1963), one that does not turn from 7.7 sqrt(p) on (Horne's for touchdown). From 0.85 of that speed on friction leaves
-/// the wet curve and goes smoothly to what is left; where it leaves is an assumption.
+/// NASA TN D-2056, 1963), one that does not turn from 7.7 sqrt(p) on (Horne's for touchdown). From 0.85 of that speed on, friction decreases smoothly
+/// from the wet curve to the remaining value; the factor 0.85 is an assumption.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ class WetGrip {
     /// At a ground speed, 0 to 120 m/s; `spun_up`: the wheel rolls.
     [[nodiscard]] Peak at(double v_mps, bool spun_up = true) const;
 
-    /// Whatever the water: only on a flooded runway friction depends on it.
+    /// Independent of the water; friction depends on it only on a flooded runway.
     [[nodiscard]] double hydroplaning_mps(bool spun_up = true) const;
 
   private:
