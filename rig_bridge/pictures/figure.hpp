@@ -1,4 +1,4 @@
-/// Figures as data, in one style: drawn by gnuplot, and kept for the charts of a page in the browser.
+/// Figures as data, in one style: drawn by gnuplot, and stored as JSON for charts in a browser.
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@ struct Series {
     std::size_t colour = 0;  ///< as gnuplot_colour() counts
     double width = 1.6;
     bool in_legend = true;
-    std::vector<double> x = {}, y = {};       ///< a y that is not a number breaks the line
+    std::vector<double> x = {}, y = {};       ///< a NaN in y breaks the line
     std::vector<double> low = {}, high = {};  ///< a band around y; empty: none
-    std::vector<std::string> notes = {};      ///< what stands beside each point; empty: nothing
+    std::vector<std::string> notes = {};      ///< text beside each point; empty: none
 
     void add(double at, double value) {
         x.push_back(at);
@@ -33,7 +33,7 @@ struct Series {
     }
 };
 
-/// Of two points: a limit.
+/// A horizontal line, e.g. a limit.
 [[nodiscard]] Series level(std::string name, double from, double to, double y, std::size_t colour);
 
 using Range = std::array<double, 2>;
@@ -42,7 +42,7 @@ struct Chart {
     std::string title = {};
     std::string y_label = {}, x_label = {};  ///< with unit
     std::vector<Series> series = {};
-    std::optional<Range> x_range = {}, y_range = {};  ///< none: what there is
+    std::optional<Range> x_range = {}, y_range = {};  ///< none: fitted to the data
     bool logarithmic_x = false, logarithmic_y = false;
     std::vector<double> marks = {};  ///< x of vertical lines
 };
@@ -53,8 +53,8 @@ struct Figure {
     int columns = 1;
 };
 
-/// Leaves NAME.png, NAME.svg and NAME.charts.json. Of a long series each of 300 parts keeps its first, last, least and greatest value: no peak is
-/// lost. Throws std::runtime_error as run_gnuplot().
+/// Writes NAME.png, NAME.svg and NAME.charts.json. A long series is reduced to the first, last, smallest and largest value of each of 300 parts, so
+/// that no peak is lost. Throws std::runtime_error as run_gnuplot().
 void draw(Figure figure, const std::filesystem::path& png);
 
 }  // namespace pictures

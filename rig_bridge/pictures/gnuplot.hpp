@@ -1,4 +1,4 @@
-/// Pictures by gnuplot, whole or not there.
+/// Draws pictures with gnuplot; files are written atomically.
 #pragma once
 
 #include <array>
@@ -9,10 +9,10 @@
 
 namespace pictures {
 
-/// As a string of gnuplot's language.
+/// Quotes `text` as a gnuplot string.
 [[nodiscard]] std::string gnuplot_quoted(const std::string& text);
 
-/// A block of rows for `plot $name`; one row of NaN where there are none, since gnuplot takes an empty block for an error.
+/// A data block for `plot $name`; without rows a single row of NaN, because gnuplot rejects an empty block.
 [[nodiscard]] std::string gnuplot_block(std::string_view name, std::string_view rows);
 
 /// Okabe and Ito's colours, which colour-blind readers tell apart, with a grey for their yellow, which does not show on white.
@@ -22,8 +22,8 @@ enum Colour : std::size_t { blue, vermillion, green, purple, orange, sky, black,
     return kColours[i % kColours.size()];
 }
 
-/// Runs `commands`, with light grid and border, into `picture`, a PNG, and a .svg beside it, of `width` x `height` pixels; where `picture` is the
-/// .svg the .png lies beside it. Their folder is made. Throws std::runtime_error when gnuplot is not installed or fails, with what it said.
+/// Runs `commands`, with light grid and border, into `picture`, a PNG, and a .svg beside it, of `width` x `height` pixels; if `picture` is the .svg,
+/// the .png is written beside it. Creates their folder. Throws std::runtime_error if gnuplot is not installed, or fails, with its message.
 void run_gnuplot(const std::filesystem::path& picture, int width, int height, const std::string& commands);
 
 }  // namespace pictures

@@ -1,4 +1,4 @@
-/// What figures and maps have in common, in gnuplot's language.
+/// Parts of gnuplot scripts shared by figures and maps.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@ namespace pictures {
 /// Above the axes, where it covers nothing.
 inline constexpr const char* kLegend = "set key tmargin center horizontal Left reverse samplen 2 width 1\n";
 
-/// A number, or what stands for none.
+/// The number as text, or `missing` for NaN.
 [[nodiscard]] std::string number_text(double value, const char* missing);
 /// The block `$name` of a series.
 [[nodiscard]] std::string series_block(const std::string& name, const Series& series);
-/// What stands in `plot` for it.
+/// The element of gnuplot's `plot` command for a series.
 [[nodiscard]] std::string series_plot(const std::string& name, const Series& series);
 
 }  // namespace pictures

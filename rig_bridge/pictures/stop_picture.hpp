@@ -8,7 +8,7 @@
 
 namespace pictures {
 
-/// A moment of a stop.
+/// Sample of a stop.
 struct StopRow {
     double time_s = 0.0;
     double speed_mps = 0.0;
@@ -18,15 +18,15 @@ struct StopRow {
     double demand_Pa = 0.0;
     double pressure_Pa = 0.0;
 
-    /// On the runway: metres from touchdown, friction that is used and that is available at this speed. With load on the wheel alone.
+    /// On a runway: distance from touchdown, used friction, and friction available at this speed. Only with load on the wheel.
     struct Friction {
         double runway_m, mu, mu_max;
     };
     std::optional<Friction> friction = std::nullopt;
 };
 
-/// Draws the course of a stop into `png`; the vertical line marks `brake_on_s`. Where rows have it, also friction over the runway. The picture is
-/// whole or not there. Throws std::runtime_error when gnuplot is not installed or fails, with what it said.
+/// Draws the course of a stop into `png`; the vertical line marks `brake_on_s`. Also draws friction over the runway if the rows have it. Written
+/// atomically. Throws std::runtime_error as run_gnuplot().
 void draw_stop(std::span<const StopRow> course, const std::filesystem::path& png, const std::string& title, double brake_on_s);
 
 }  // namespace pictures

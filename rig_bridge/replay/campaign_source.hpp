@@ -1,4 +1,4 @@
-/// A campaign's wear from whatever holds it: a CSV, the bridge's ledger, or the directory of a ledger.
+/// Loads a campaign's wear data from a CSV, a ledger, or a directory with a ledger.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,19 @@
 
 namespace rig::replay {
 
-/// What becomes of maneuvers that finished outside their scenario's bands. Left out, they are still in the cumulative energy.
+/// Treatment of maneuvers that finished out of tolerance. If left out, they still count in the cumulative energy.
 enum class OutOfTolerance : std::uint8_t { left_out, taken };
 
-/// `where`, or the campaign.sqlite of that directory.
+/// `where` itself, or campaign.sqlite in that directory.
 [[nodiscard]] std::filesystem::path ledger_at(const std::filesystem::path& where);
 
-/// `wanted`, or where that is empty the ledger's only campaign. Throws settings::Error where there is none or there are several,
-/// and in any case where the file is no ledger.
+/// `wanted`, or if empty the ledger's only campaign. Throws settings::Error if there is none or several, or the file is not a ledger.
 [[nodiscard]] std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted);
 
 /// `where`: an SQLite ledger or a directory with campaign.sqlite in it (of `campaign`, which may be empty when the ledger holds one only), else
-/// a CSV as wear::read_campaign() takes it. From a ledger every maneuver that finished, within tolerance, is a point; what the aborted ones took is
-/// in the cumulative energy. Where brake or disc were changed, of the newest alone, with the energy that those took. Row i in messages is then the
-/// i-th finished one. Throws settings::Error as wear::read_campaign() and read_ledger() do.
+/// a CSV as wear::read_campaign() takes it. From a ledger, every maneuver finished within tolerance is a point; aborted ones count in the cumulative
+/// energy. If brake or disc were changed, only the newest pair is used, with its own energy. In messages, row i is then the i-th finished maneuver.
+/// Throws settings::Error as wear::read_campaign() and read_ledger() do.
 [[nodiscard]] wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign,
                                            OutOfTolerance off = OutOfTolerance::left_out);
 

@@ -1,4 +1,4 @@
-/// The campaign of Fig. 7 (mean friction over cumulative brake energy) from the raw logs, held against summaries and ledger.
+/// Rebuilds a campaign (Fig. 7: mean friction over cumulative brake energy) from the raw logs, and compares it with summaries and ledger.
 #pragma once
 
 #include <filesystem>
@@ -26,12 +26,12 @@ struct ManeuverFolder {
 
 struct CampaignRow {
     ManeuverFolder folder;
-    bool counted = false;  ///< has figures, and its energy counts: a summary, or without one a log that counts
+    bool counted = false;  ///< has figures, and its energy counts
     bool ended = false;    ///< finished or aborted: has a summary
-    /// That of the summary, or what is known without one, with figures, warnings and sums from the logs alone; and as amended.
+    /// summary.json, or what is known without it, with figures, warnings and sums replaced by those from the logs, as amended.
     record::Summary summary;
     record::Specimen specimen{};  ///< as noted; `summary` has it as it was recorded
-    double disc_energy_J = 0.0;   ///< of the cumulative energy, what this row's brake and disc have taken
+    double disc_energy_J = 0.0;   ///< part of the cumulative energy taken by this row's brake and disc
     /// "mean_friction is 0.29817 from the log, 0.29816 in summary.json"; bit by bit.
     std::vector<std::string> differences;
 };
@@ -46,18 +46,18 @@ struct CampaignTable {
 
 struct CampaignSources {
     const antiskid::can::Layout& layout;
-    /// What the meter must know of the rig of a scenario, by its name in the summary.
+    /// Meter parameters of the scenario with this name in the summary.
     std::function<record::MeterParameters(const std::string& scenario)> parameters;
     std::vector<record::LedgerRow> ledger;  ///< of this campaign; empty with `with_ledger` false
     bool with_ledger = false;
     std::function<LogWarnings(const std::string& file)> warnings;
 };
 
-/// Enters all of it into a new ledger beside the folders. Throws settings::Error when `file` is there, LedgerError.
+/// Writes the campaign to a new ledger beside the folders. Throws settings::Error if `file` exists, and LedgerError.
 void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,
                   const std::vector<record::LedgerRow>& old);
 
-/// Reads every log of the folders. A folder whose log is missing or unreadable is a difference. What people amended in the ledger holds.
+/// Reads every log of the folders. A missing or unreadable log counts as a difference. Amendments in the ledger are applied.
 [[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources);
 
 [[nodiscard]] std::string to_text(const CampaignTable& table);

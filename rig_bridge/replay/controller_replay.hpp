@@ -1,7 +1,7 @@
-/// A recorded log through the real controller: the program's own loop, port and controller, with the log in place of bus and
-/// clock. What it sends is compared with what the log says was sent.
+/// Replays a recorded log through the program's own loop, port and controller, with the log in place of bus and clock, and compares the frames sent
+/// with the recorded ones.
 ///
-/// Not in the log and so not replayed: bus-off and interface states of the controller's own chip.
+/// Not replayed, because not in the log: bus-off and interface state of the controller's chip.
 #pragma once
 
 #include <filesystem>

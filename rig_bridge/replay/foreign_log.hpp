@@ -1,5 +1,5 @@
-/// Logs of CAN tools in other formats than candump's. Their frames come as lines of candump from a process of its own that runs foreign_log.py:
-/// the readers of python3-can, which the Debian package recommends.
+/// Reads logs in other formats than candump's. A child process runs foreign_log.py, with the readers of python3-can (recommended by the Debian
+/// package), and delivers the frames as candump lines.
 #pragma once
 
 #include <sys/types.h>
@@ -21,15 +21,15 @@ enum class LogFormat : std::uint8_t {
     mdf,  ///< not read here
 };
 
-/// By the file's first bytes, plain or gzip; whatever is none of the others is candump's.
+/// Determined by the file's first bytes, plain or gzip; candump if no other format matches.
 [[nodiscard]] LogFormat log_format(const std::filesystem::path& file);
 
-/// Throws std::runtime_error for an MDF recording, with the command that makes a readable one of it.
+/// Throws std::runtime_error for an MDF recording, with the command that converts it.
 void reject_mdf(const std::filesystem::path& file);
 
 class ForeignLog {
   public:
-    /// Starts the process. Throws std::runtime_error naming the file and what mends it.
+    /// Starts the process. Throws std::runtime_error naming the file and the remedy.
     ForeignLog(const std::filesystem::path& file, LogFormat format);
     /// Ends the process.
     ~ForeignLog();
@@ -42,10 +42,10 @@ class ForeignLog {
     [[nodiscard]] double share() const;
 
     struct End {
-        bool damaged = false;  ///< the log is cut off or damaged; what came before was given
-        std::string text;      ///< how; else what was left out, or nothing
+        bool damaged = false;  ///< the log is truncated or damaged; the lines before that were delivered
+        std::string text;      ///< the damage; otherwise what was left out, if anything
     };
-    /// After the last line. Throws std::runtime_error naming the file and what mends it when the log cannot be read.
+    /// Call after the last line. Throws std::runtime_error naming the file and the remedy if the log cannot be read.
     [[nodiscard]] End finish();
 
   private:

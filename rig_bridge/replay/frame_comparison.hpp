@@ -1,6 +1,6 @@
-/// Recorded against replayed frames of one sender, message by message: the first recorded one with the first replayed one.
+/// Compares recorded with replayed frames of one sender, message by message, in order.
 ///
-/// A frame that one side lacks does not shift all that follow: where the layout has alive counters, pairs are found by them.
+/// With alive counters in the layout, pairs are matched by counter, so that a missing frame does not shift all later pairs.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct FrameDifference {
     Frame replayed;
 };
 
-/// By how much the replayed valve command is above the recorded one.
+/// Replayed minus recorded valve current.
 [[nodiscard]] double current_difference_mA(const FrameDifference& valve_commands, const antiskid::can::Layout& layout);
 
 class FrameComparison {
@@ -38,25 +38,24 @@ class FrameComparison {
     /// `layout` must outlive the comparison.
     explicit FrameComparison(const antiskid::can::Layout& layout);
 
-    /// The recorded controller was running when the log began, the replayed one tests itself first: what else than commands
-    /// differs until both say that they have passed it is not counted as different.
+    /// For a log that begins while the controller was running: the replayed one starts with its self-test, and until both report that it has passed,
+    /// only differences of commands are counted.
     void expect_self_test() { settling_ = true; }
 
     void recorded(antiskid::can::Role role, const LogFrame& frame);
     /// Frames of unknown identifiers are ignored.
     void replayed(const Frame& frame);
-    /// At the end of the log: what is left has no partner. Closing frames of the replay that the log no longer has count for
-    /// nothing.
+    /// Call at the end of the log: remaining frames have no partner. Closing frames of the replay that the log lacks are ignored.
     void finish();
 
     [[nodiscard]] const Count& count(antiskid::can::Role role) const { return sides_[static_cast<std::size_t>(role)].count; }
     [[nodiscard]] std::size_t waiting(antiskid::can::Role role) const { return sides_[static_cast<std::size_t>(role)].recorded.size(); }
     [[nodiscard]] const std::optional<FrameDifference>& first() const { return first_; }
-    /// The valve commands whose currents are furthest apart, the first of them.
+    /// The first pair of valve commands with the largest difference of current.
     [[nodiscard]] const std::optional<FrameDifference>& largest() const { return largest_; }
 
   private:
-    /// One side may be ahead by this many frames; then the oldest has no partner.
+    /// Number of frames by which one side may be ahead; beyond it the oldest has no partner.
     static constexpr std::size_t kAhead = 256;
 
     struct Sides {

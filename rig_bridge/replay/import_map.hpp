@@ -1,4 +1,4 @@
-/// How the columns of a recording of another system, or the frames of its CAN bus, become our signals; config/import_example.toml explains every key.
+/// Maps the columns, or CAN frames, of another system's recording to our signals; config/import_example.toml explains every key.
 #pragma once
 
 #include <array>
@@ -38,7 +38,7 @@ struct ImportMap {
     /// Of a log of frames, and the files that it came from; `channels` are then those that it has, in SI.
     std::optional<antiskid::can::Layout> layout;
     std::vector<std::filesystem::path> layout_files;
-    std::optional<std::string> interface;  ///< lines of this one only
+    std::optional<std::string> interface;  ///< only lines of this interface
     char separator = ',';
     char decimal = '.';
     std::uint64_t header_row = 1;

@@ -1,8 +1,8 @@
-/// A continuous recording of another system, cut into maneuvers by its own signals and written as folders like the bridge's:
-/// DIR/0001/bus.log and summary.json, DIR/0002/...
+/// Imports a continuous recording of another system: splits it into maneuvers by its signals and writes folders like the bridge's: DIR/0001/bus.log
+/// and summary.json, DIR/0002/...
 ///
-/// The recording is read twice: first every channel is surveyed, and a unit that cannot be right ends the import before
-/// anything is written. CSV and logs of frames are streamed in constant memory.
+/// The recording is read twice: the first pass checks every channel, and an impossible unit ends the import before anything is written. CSV and logs
+/// of frames are streamed in constant memory.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace rig::replay {
 
-/// What was wrong in a recording, with its place; of each kind few are said, all are counted.
+/// Problems in a recording, with their place; all are counted, the first few of each kind are reported.
 class ImportNotes {
   public:
     using Sink = std::function<void(const std::string&)>;
@@ -30,7 +30,7 @@ class ImportNotes {
         if (n > kSaid || !sink_) return;
         sink_(file_ + ":" + std::to_string(row) + ": " + kind + ": " + text + (n == kSaid ? " (more of this kind are only counted)" : ""));
     }
-    /// What names its place itself.
+    /// Reports a text that names its place itself.
     void say(const std::string& text) const {
         if (sink_) sink_(text);
     }
@@ -49,7 +49,7 @@ struct ImportSettings {
     ImportedRig rig;
     record::Specimen specimen{};  ///< of every maneuver in it
     std::string config_hash;
-    /// Told now and then which share of all reading is done, 0 to 1.
+    /// Called occasionally with the share of the reading that is done, 0 to 1.
     std::function<void(double)> progress{};
 };
 
@@ -66,8 +66,8 @@ struct ImportReport {
     std::vector<ImportedManeuver> maneuvers;
 };
 
-/// Throws std::invalid_argument for a text of the specimen that is none (check_texts()), std::runtime_error when the file cannot be read, a unit
-/// cannot be right (naming column, values and likely unit), or `out` holds maneuvers already.
+/// Throws std::invalid_argument for an invalid text of the specimen (check_texts()), std::runtime_error if the file cannot be read, a unit is
+/// impossible (naming column, values and likely unit), or `out` already holds maneuvers.
 [[nodiscard]] ImportReport import_recording(const ImportSettings& settings, ImportNotes& notes);
 
 }  // namespace rig::replay

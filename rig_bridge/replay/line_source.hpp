@@ -1,4 +1,4 @@
-/// Lines of a file, plain or gzip (told by its first bytes), or of a pipe, in constant memory.
+/// Reads lines of a file, plain or gzip (detected by its first bytes), or of a pipe, in constant memory.
 #pragma once
 
 #include <cstddef>
@@ -26,15 +26,15 @@ class LineSource {
 
     /// Throws std::runtime_error naming the file and the reason when it cannot be opened.
     explicit LineSource(const std::filesystem::path& file);
-    /// Of what comes through a pipe, whose descriptor stays the caller's.
+    /// Reads from a pipe; the caller keeps its descriptor.
     explicit LineSource(int pipe);
 
-    /// False at the end; `damage()` then says whether the file ended well.
+    /// False at the end; check damage() then.
     [[nodiscard]] bool next(Line& line);
 
-    /// Why reading ended before the end of the file; empty: it did not.
+    /// Why reading ended before the end of the file; empty: the file is complete.
     [[nodiscard]] const std::string& damage() const { return damage_; }
-    /// Lines given so far.
+    /// Number of lines returned so far.
     [[nodiscard]] std::uint64_t lines() const { return number_; }
     /// Share of the file that was read, 0 to 1.
     [[nodiscard]] double share() const;
@@ -43,7 +43,7 @@ class LineSource {
     struct Close {
         void operator()(gzFile_s* file) const;
     };
-    /// Moves what is left of the block to its front and reads on; false when nothing more came.
+    /// Moves the rest of the block to its front and reads more; false if there is no more.
     bool refill();
     bool skip_long_line();
 

@@ -1,11 +1,10 @@
-/// Frames of a bus log, one after the other, in constant memory: as `candump -l` writes it, or as Vector (ASC, BLF) and PEAK (TRC) do, told by its
-/// first bytes.
+/// Reads the frames of a bus log in constant memory: of `candump -l`, Vector (ASC, BLF) or PEAK (TRC), detected by its first bytes.
 ///
 ///     LogReader log("bus.log", {}, warnings);
 ///     for (LogFrame f; log.next(f);) use(f);
 ///
-/// Whatever a log may hold ends in a frame or in a named warning with its line, never in silence. Several million frames a
-/// second of candump; two to three hundred thousand of the others, whose lines are those of foreign_log.py.
+/// Every line gives a frame or a named warning with its line number; none is skipped silently. For formats other than candump's, line numbers are
+/// those of foreign_log.py's output.
 #pragma once
 
 #include <bitset>
@@ -35,35 +34,35 @@ struct LogFrame {
 };
 
 struct LogOptions {
-    /// Lines of this interface only; none: of the first one in the log.
+    /// Only lines of this interface; none: the first interface in the log.
     std::optional<std::string> interface;
-    /// With a layout: only data frames with an 11-bit identifier that it has are given, everything else is a warning.
-    /// Without: every classic frame, error frames included. Must outlive the reader.
+    /// With a layout: returns only data frames with its 11-bit identifiers, anything else is a warning. Without: returns every classic frame,
+    /// including error frames. Must outlive the reader.
     const antiskid::can::Layout* layout = nullptr;
 };
 
 class LogReader {
   public:
-    /// Throws std::runtime_error naming the file when it cannot be opened, or is an MDF recording. `warnings` must outlive the reader.
+    /// Throws std::runtime_error naming the file if it cannot be opened or is an MDF recording. `warnings` must outlive the reader.
     LogReader(const std::filesystem::path& file, const LogOptions& options, LogWarnings& warnings);
 
-    /// The next frame; false at the end. Throws std::runtime_error naming the file and what mends it where python3-can is missing.
+    /// The next frame; false at the end. Throws std::runtime_error naming the file and the remedy if python3-can is missing.
     [[nodiscard]] bool next(LogFrame& out);
 
     [[nodiscard]] std::uint64_t lines() const { return source_.lines(); }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
     /// Share of the file that was read, 0 to 1.
     [[nodiscard]] double share() const { return foreign_ ? foreign_->share() : source_.share(); }
-    /// The one that is read; empty before the first line.
+    /// The interface that is read; empty before the first line.
     [[nodiscard]] const std::string& interface() const { return interface_; }
 
   private:
-    /// False when the line is not to be used; the warning has then been made.
+    /// False if the line is not used; a warning has then been added.
     bool take(const LineSource::Line& line, LogFrame& out);
     void reject(const LineSource::Line& line, const antiskid::can::CandumpFailure& failure);
     bool is_ours(const LineSource::Line& line, std::string_view interface);
     void say_end();
-    /// Warns of a frame that no layout has; whether it is to be given all the same.
+    /// Warns of a frame that is not in the layout; returns whether it is returned nevertheless.
     bool unusual(const LogFrame& frame);
 
     std::unique_ptr<ForeignLog> foreign_;  // none: candump

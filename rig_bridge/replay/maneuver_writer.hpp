@@ -1,4 +1,4 @@
-/// One imported maneuver: frames of our layout at 1 kHz from samples at any rate, linear between them, and its figures.
+/// Writes one imported maneuver: frames of our layout at 1 kHz, interpolated linearly from samples at any rate, and computes its figures.
 #pragma once
 
 #include <algorithm>
@@ -19,12 +19,12 @@
 
 namespace rig::replay {
 
-/// The edges that a toothed encoder would have given for a recorded speed.
+/// Computes the edges of a toothed encoder from a recorded speed.
 class VirtualEncoder {
   public:
     explicit VirtualEncoder(double teeth) : edges_per_rad_(teeth / (2.0 * std::numbers::pi)) {}
 
-    /// The speed goes linearly to `speed_radps` within `step_s`, which ends at `now_s`; negative speeds count as rest.
+    /// Speed changes linearly to `speed_radps` during `step_s`, which ends at `now_s`; negative speeds count as standstill.
     void advance(double speed_radps, double now_s, double step_s) {
         const double before = speed_radps_;
         speed_radps_ = std::max(speed_radps, 0.0);
@@ -52,7 +52,7 @@ class VirtualEncoder {
     double speed_radps_ = 0.0;
 };
 
-/// SI as in Channel; channels that the recording lacks are zero.
+/// SI units as in Channel; missing channels are zero.
 struct ImportSample {
     double time_s = 0.0;
     std::array<double, kChannelCount> value{};
@@ -60,18 +60,18 @@ struct ImportSample {
     [[nodiscard]] double operator[](Channel channel) const { return value[static_cast<std::size_t>(channel)]; }
 };
 
-/// What is the same for all maneuvers of an import.
+/// Data common to all maneuvers of an import.
 struct ImportedRig {
     const antiskid::can::Layout& layout;
     record::MeterParameters meter;
-    const rig::Plan& plan;    ///< law and demand: what the recording does not say
+    const rig::Plan& plan;    ///< law and demand, which the recording lacks
     bool with_valve = false;  ///< the recording has the valve current
     std::int64_t number = 0;
 };
 
 class ManeuverWriter {
   public:
-    /// Makes `folder` and bus.log in it.
+    /// Creates `folder` and bus.log in it.
     ManeuverWriter(const ImportedRig& rig, const std::filesystem::path& folder);
 
     /// Times must increase.

@@ -1,4 +1,4 @@
-/// What was said on the bus, sample by sample, from the frames of a log.
+/// Reads the signals of a log sample by sample.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace rig::replay {
 
-/// Samples and their time: see sample_stream.hpp. Times start at 0 with the first sample, and rise.
+/// Samples and their time: see sample_stream.hpp. Times start at 0 with the first sample and increase.
 class MeasuredSignals {
   public:
     /// All must outlive the object; `log` must have been opened with `layout`. `period_s` > 0: of the rig that sent SYNC.
     MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s);
 
-    /// The next sample; false at the end, and when SYNC numbers start again: another recording begins there.
+    /// The next sample; false at the end, and if SYNC numbers restart, which begins another recording.
     [[nodiscard]] bool next();
 
     [[nodiscard]] double time_s() const { return static_cast<double>((newest_ - first_).count()) * 1e-9; }
@@ -23,7 +23,7 @@ class MeasuredSignals {
     [[nodiscard]] std::uint64_t line() const { return line_; }
     [[nodiscard]] bool lockstep() const { return lockstep_; }
     [[nodiscard]] bool restarted() const { return samples_.restarts() > 0; }
-    /// Of the four inputs of the controller, that failed a check.
+    /// Number of frames of the controller's four inputs that failed a check.
     [[nodiscard]] std::uint64_t rejected() const;
 
   private:

@@ -1,4 +1,4 @@
-/// Whether the values of a channel can be what the map says, and which unit would make them so.
+/// Checks whether a channel's values are plausible in the unit of the map, and suggests units that would be.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace rig::replay {
 
-/// What a channel of a brake rig can read, in SI as in Channel.
+/// Plausible range of a channel of a brake rig, in SI units as in Channel.
 struct PlausibleRange {
     double lowest, highest;
-    double lively;  ///< a recording with a braking in it reaches this at least
+    double lively;  ///< a recording with braking reaches at least this
 };
 [[nodiscard]] const PlausibleRange& plausible(Channel channel);
 
-/// Values of one channel over a whole recording.
+/// Statistics of one channel over a whole recording.
 class ChannelSurvey {
   public:
     /// `factor`: from the recorded number to SI.
@@ -29,9 +29,9 @@ class ChannelSurvey {
     [[nodiscard]] double lowest() const { return lowest_; }
     [[nodiscard]] double highest() const { return highest_; }
 
-    /// More than one value in a hundred is outside, or none is lively.
+    /// Whether more than 1 % of the values are out of range, or none reaches `lively`.
     [[nodiscard]] bool wrong_unit() const;
-    /// The units in which all would be plausible and lively, "bar, kPa"; `radius_m` takes a shaft's speed to the rim.
+    /// Units in which all values would be plausible, e.g. "bar, kPa"; `radius_m` converts a shaft's speed to rim speed.
     [[nodiscard]] std::string likely_units(const ImportColumn& column, double radius_m) const;
 
   private:
@@ -41,13 +41,13 @@ class ChannelSurvey {
     double lowest_ = 0.0, highest_ = 0.0;  // as recorded
 };
 
-/// The units of a flywheel's speed that are `ratio` times the one of `column`, within a fifth.
+/// Units of flywheel speed that are `ratio` times that of `column`, within 20 %.
 [[nodiscard]] std::string units_at_ratio(const ImportColumn& column, double ratio, double radius_m);
 
-/// The units of pressure that are `ratio` times the one of `column`, within a factor of two, as brakes differ.
+/// Units of pressure that are `ratio` times that of `column`, within a factor of two, because brakes differ.
 [[nodiscard]] std::string pressure_units_at_ratio(const ImportColumn& column, double ratio);
 
-/// From a recorded number to SI; `radius_m`: of the flywheel, for its speed.
+/// Factor from a recorded number to SI units; `radius_m`: of the flywheel, for its speed.
 [[nodiscard]] double factor_of(Channel channel, const antiskid::can::Unit& unit, double radius_m);
 
 }  // namespace rig::replay

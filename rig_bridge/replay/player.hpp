@@ -1,4 +1,4 @@
-/// A log played in time: every frame on an absolute deadline of the monotonic clock, so that no error adds up.
+/// Plays a log in real time: every frame at an absolute deadline of the monotonic clock, so that errors do not accumulate.
 #pragma once
 
 #include <atomic>
@@ -15,11 +15,11 @@
 
 namespace rig::replay {
 
-/// A frame passes when any rule lets it; without rules every frame passes.
+/// A frame passes if any rule matches; without rules every frame passes.
 class IdFilter {
   public:
-    /// `110`: that identifier; `100:7F0`: those that agree with 100 in the bits of 7F0; hexadecimal. Three digits are an 11-bit
-    /// identifier, eight a 29-bit one. Throws std::invalid_argument saying what would be right.
+    /// `110`: that identifier; `100:7F0`: identifiers equal to 100 in the bits of mask 7F0; hexadecimal. Three digits are an 11-bit identifier, eight
+    /// a 29-bit one. Throws std::invalid_argument saying what would be right.
     void add(std::string_view rule);
 
     [[nodiscard]] bool passes(const LogFrame& frame) const;
@@ -36,8 +36,7 @@ class IdFilter {
 class FrameSender {
   public:
     virtual ~FrameSender() = default;
-    /// Data and remote frames of both identifier lengths. False: the frame was given up. Throws std::runtime_error when
-    /// the interface is gone.
+    /// Data and remote frames of both identifier lengths. False: the frame was discarded. Throws std::runtime_error if the interface is gone.
     virtual bool send(const LogFrame& frame) = 0;
 };
 
@@ -51,7 +50,7 @@ struct PlayReport {
     std::uint64_t sent = 0;
     std::uint64_t unsent = 0;        ///< the queue stayed full, or the bus took none
     std::uint64_t filtered = 0;      ///< kept back by the filter
-    std::uint64_t error_frames = 0;  ///< in the log; they are reports of a chip, and not sent
+    std::uint64_t error_frames = 0;  ///< in the log; not sent, because they are reports of a CAN chip
     std::uint64_t loops = 0;         ///< played to the end
     bool stopped = false;
     Time duration{};                   ///< from the first deadline to the last frame
@@ -61,8 +60,8 @@ struct PlayReport {
 /// Opens the log anew for each loop.
 using OpenLog = std::function<std::unique_ptr<LogReader>()>;
 
-/// `report` is complete as far as it goes also when this throws. Where time in the log goes backwards, the frame is due at
-/// once and time goes on from there.
+/// `report` is also valid, up to that point, if this throws. If time in the log goes backwards, the frame is due at once and time continues from
+/// there.
 void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::host::Clock& clock, const std::atomic<bool>& stop,
           PlayReport& report);
 

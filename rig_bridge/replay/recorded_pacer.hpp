@@ -1,20 +1,18 @@
-/// The controller's periods as a log has them: which recorded frames were known at which step, and when it was.
+/// Reconstructs the controller's steps from a log: the time of each step and the frames known at it.
 ///
 /// Lockstep (SYNC before the first valve command): each SYNC ends a sample, each recorded valve command answers the oldest
 /// sample that has no answer yet, and the controller's time is the number of steps before it times the period, as in the
-/// recorded run: the steps are exactly those. Before the first answer only the newest sample counts: nobody was there to
-/// hear the older ones. A valve command without a sample is a step that the controller made by its own clock when SYNC
-/// failed to come.
+/// recorded run: the steps are exactly those. Before the first answer only the newest sample is used, because the controller was not running for the
+/// older ones. A valve command without a sample is a step by the controller's own clock after SYNC failed to arrive.
 ///
-/// Timer: each valve command ends a step; the frames before it in the log belong to it, and its stamp is the step's time. The
-/// controller itself took in what had arrived when it woke, some tens of microseconds earlier: a frame that came in between is
-/// one step early here, and ages of inputs are longer by that time.
+/// Timer: each valve command ends a step; the frames before it in the log belong to it, and its stamp is the step's time. The controller itself read
+/// the bus some tens of microseconds before its command: a frame that arrived in between is one step early here, and the ages of inputs are longer by
+/// that time.
 ///
-/// A log that begins within a session of the controller: counters and slow messages are brought to where they were at the first
-/// recorded command. The controller itself starts anew there.
+/// If the log begins while the controller was running, alive counters and the schedule of slow messages are set as at the first recorded command; the
+/// controller itself starts from its initial state.
 ///
-/// The last valve commands of a log, up to three, that carry the safe current and have no sample are taken for those with which
-/// the controller ends.
+/// Up to three final valve commands with the safe current and without a sample are taken as the controller's closing commands.
 #pragma once
 
 #include <array>
@@ -31,8 +29,7 @@
 
 namespace rig::replay {
 
-/// What the controller sent at one recorded step: the counter of each message of it, kNotSent where there was none, kUnknown where
-/// nothing is known.
+/// Alive counters of the messages sent at one recorded step; kNotSent: not sent, kUnknown: not known.
 struct SentAtStep {
     static constexpr int kNotSent = -1;
     static constexpr int kUnknown = -2;
@@ -44,7 +41,7 @@ struct SentAtStep {
 };
 
 /// The smallest number of steps before the first of `steps` with which counters and schedule agree: 0 for a controller that started
-/// with the log. None when no number up to 100 000 does: frames are missing.
+/// with the log. None if no number up to 100 000 does, i.e. frames are missing.
 [[nodiscard]] std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout, antiskid::control::Time period,
                                                         const std::vector<SentAtStep>& steps);
 
@@ -67,9 +64,9 @@ class RecordedPacer final : public antiskid::host::Pacer {
     [[nodiscard]] bool lockstep() const { return lockstep_; }
     /// Steps without a SYNC in a lockstep log.
     [[nodiscard]] std::uint64_t unsynchronised() const { return unsynchronised_; }
-    /// Samples that got no answer, those before the first answer included.
+    /// Samples without an answer, including those before the first answer.
     [[nodiscard]] std::uint64_t unanswered() const { return unanswered_; }
-    /// Steps that the controller had made before the log begins, as far as its counters tell; none: they tell nothing.
+    /// Steps of the controller before the log begins, by its counters; none: cannot be determined.
     [[nodiscard]] std::optional<std::uint64_t> steps_before_log() const { return before_log_; }
     /// From the first valve command to the last, rig time in lockstep, stamps otherwise.
     [[nodiscard]] Time duration() const { return last_now_ - first_now_; }
@@ -82,7 +79,7 @@ class RecordedPacer final : public antiskid::host::Pacer {
     [[nodiscard]] bool read(LogFrame& out);
     void rig_frame(const Frame& frame, bool sync);
     void drop_oldest_sample();
-    /// Brings the port's schedule and counters to where the recorded controller's were at its first command here.
+    /// Sets the port's schedule and counters as in the recorded controller at its first command in the log.
     void join_session(const Frame& first_valve);
     void look_ahead();
     [[nodiscard]] std::vector<SentAtStep> sent_ahead(const Frame& first_valve, bool valve_last) const;

@@ -1,4 +1,4 @@
-/// A recording of another system, a table or a log of frames, row by row: wanted columns only, as numbers in their own units.
+/// Reads a recording of another system (table or log of frames) row by row: only the wanted columns, in their own units.
 #pragma once
 
 #include <cstdint>
@@ -31,12 +31,12 @@ class Recording {
     [[nodiscard]] virtual std::string troubles() const { return {}; }
 };
 
-/// Throws std::runtime_error naming the file and what is wrong: unreadable, or a column that is not there, with those that are.
-/// CSV and logs of frames are streamed; the variables of a .mat are read whole.
+/// Throws std::runtime_error naming the file if it is unreadable or lacks a column; the text then lists the columns there are. CSV and logs of frames
+/// are streamed; the variables of a .mat are read whole.
 [[nodiscard]] std::unique_ptr<Recording> open_recording(const std::filesystem::path& file, const ImportMap& map,
                                                         const std::vector<std::string>& wanted);
 [[nodiscard]] std::unique_ptr<Recording> open_mat(const std::filesystem::path& file, const std::vector<std::string>& wanted);
-/// Of a log in the map's layout: its channels in their order. `map` must outlive it; `warnings` takes what is wrong with single frames.
+/// Opens a log in the map's layout, with its channels in their order. `map` must outlive it; `warnings` receives problems of single frames.
 [[nodiscard]] std::unique_ptr<Recording> open_bus(const std::filesystem::path& file, const ImportMap& map, const record::MeterParameters& rig,
                                                   LogWarnings::Sink warnings);
 

@@ -1,4 +1,4 @@
-/// The verbs of rig-replay: each adds itself to the command line and says how to run it.
+/// The verbs of rig-replay: each adds itself to the command line and returns the function that runs it.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ struct ReplayVerb {
     std::function<int()> run;  ///< returns the exit status
 };
 
-/// A mistake in command line or configuration, found late: exit status 2.
+/// An error in command line or configuration found after parsing: exit status 2.
 struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -25,7 +25,7 @@ struct UsageError : std::runtime_error {
 [[nodiscard]] ReplayVerb export_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb import_verb(CLI::App& app);
 
-/// Runs `load`; whatever it throws becomes a UsageError.
+/// Runs `load` and converts its exceptions to UsageError.
 template <typename Load>
 auto configured(Load load) {
     try {
@@ -35,7 +35,7 @@ auto configured(Load load) {
     }
 }
 
-/// Warnings of `file` on standard error.
+/// Log warnings of `file`, reported on standard error.
 [[nodiscard]] LogWarnings warnings_of(const std::string& file);
 
 }  // namespace rig::replay

@@ -1,4 +1,4 @@
-/// What was said on a bus, as a table: a row for each sample, a column for each quantity with its unit in its name.
+/// The signals of a log as a table: one row per sample, one column per quantity, with the unit in its name.
 #pragma once
 
 #include <string>
@@ -15,9 +15,9 @@ class SampleTable {
     /// All must outlive the table.
     SampleTable(MeasuredSignals& signals, const antiskid::can::Layout& layout, const record::MeterParameters& rig);
 
-    /// time_s, from 0 on, is the first; then those whose message the layout has. Phases, states and faults are the codes on the bus.
+    /// time_s from 0, then the columns whose message is in the layout. Phases, states and faults are the codes on the bus.
     [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
-    /// In their order; NaN before the first frame that says it. False at the end.
+    /// The next row, in the order of columns(); NaN before the first frame with the value. False at the end.
     [[nodiscard]] bool next(std::vector<double>& row);
 
   private:

@@ -1,4 +1,4 @@
-/// The speed of a shaft from what its sensor said on the bus, of either kind.
+/// Speed of a shaft from its sensor's frames, for both kinds of sensor.
 #pragma once
 
 #include <numbers>
@@ -12,10 +12,10 @@ class ShaftSpeed {
   public:
     explicit ShaftSpeed(double teeth) : track_(2.0 * std::numbers::pi / teeth) {}
 
-    /// rad/s. Once a sample, which ended at `now_s`. Of edges over the newest 5 ms: it lags behind the shaft by half of that.
+    /// rad/s. Call once per sample, which ended at `now_s`. From edges it is the mean over the newest 5 ms and lags by half of that.
     [[nodiscard]] double at(const antiskid::control::SpeedInput& input, double now_s) {
         if (input.source == antiskid::control::SpeedSource::speed) return static_cast<double>(input.speed_radps);
-        // One report seen twice would be a shaft that had no edge meanwhile.
+        // A report passed twice would look like a shaft without a new edge.
         if (input.received != taken_) track_.update(input.edge_count, input.edge_time, now_s);
         taken_ = input.received;
         constexpr double kWindow_s = 5e-3;

@@ -1,4 +1,4 @@
-/// Tables of any length on the disk, in constant memory: whole or not there.
+/// Writes tables of any length in constant memory; the file appears only when complete.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace rig::replay {
 
-/// A file that has its name once commit() was called; until then, and after a failure, there is none of that name but what was there before.
+/// A file that gets its final name by commit(); before that, and after a failure, an existing file of that name is unchanged.
 class PartFile {
   public:
     explicit PartFile(const std::filesystem::path& path);
@@ -29,12 +29,12 @@ class PartFile {
 class TableWriter {
   public:
     virtual ~TableWriter() = default;
-    /// One number for each column. Throws std::runtime_error naming the file where it cannot be written, as finish() does.
+    /// Writes one number per column. row() and finish() throw std::runtime_error naming the file if it cannot be written.
     virtual void row(const std::vector<double>& values) = 0;
     virtual void finish() = 0;
 };
 
-/// One row of names, commas, decimal points; what PlotJuggler, pandas and spreadsheets read.
+/// One row of names, commas, decimal points; readable by PlotJuggler, pandas and spreadsheets.
 [[nodiscard]] std::unique_ptr<TableWriter> csv_writer(const std::filesystem::path& path, const std::vector<std::string>& columns);
 /// MATLAB v7.3: a column vector of each name.
 [[nodiscard]] std::unique_ptr<TableWriter> mat_writer(const std::filesystem::path& path, const std::vector<std::string>& columns);

@@ -1,13 +1,13 @@
-/// What this brake's own maneuvers say about it, given what other brakes were like (population.hpp).
+/// Estimates the state of a brake from its own maneuvers, with other brakes as prior (population.hpp).
 ///
 /// Hypotheses: this brake follows the mean curve m_k of member k of the population, taking s times the energy for the same wear. Under each
 /// of them friction of maneuver i is
 ///
 ///     mu_i = m_k(c_e / s) + offset + remembered + fresh
 ///
-/// with an offset that drifts slowly (a random walk in energy), scatter that remembers from one maneuver to the next (autoregressive,
-/// order 1), and scatter that does not. That is linear and Gaussian but for k and s: one Kalman filter for each pair of them, weighed by
-/// their likelihoods. Exact, no draws. Covariances do not depend on the hypothesis, so that there is one for all.
+/// with a slowly drifting offset (a random walk in energy), scatter correlated from one maneuver to the next (autoregressive, order 1), and
+/// uncorrelated scatter. For given k and s this is linear and Gaussian: there is one Kalman filter for each pair, weighted by likelihood. Exact,
+/// without random draws. The covariance is the same for all hypotheses.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace wear {
 
-/// Friction of the next maneuver: normal distributions with one variance, by weight.
+/// Predicted friction of the next maneuver: a weighted mixture of normal distributions with equal variance.
 struct Expectation {
     double mean = 0.0;
     double deviation = 0.0;
@@ -28,8 +28,8 @@ class BrakeFilter {
     struct Hypothesis {
         std::size_t member = 0;
         double energy_scale = 1.0;  ///< s
-        double weight = 0.0;        ///< of all 1
-        double prior = 0.0;         ///< its weight before any maneuver
+        double weight = 0.0;        ///< the weights sum to 1
+        double prior = 0.0;         ///< weight before any maneuver
         double offset = 0.0;        ///< mean, after the newest point
         double remembered = 0.0;    ///< likewise
     };
@@ -39,12 +39,12 @@ class BrakeFilter {
     explicit BrakeFilter(Population&&) = delete;
 
     [[nodiscard]] Expectation expected(double c_e_J) const;
-    /// Where the point lies in the distribution that the points so far predict for it, as the standard normal deviate of the same
-    /// probability: normal and independent for brakes like those of the population. Within -8 to 8.
+    /// The point's quantile in its predicted distribution, as standard normal deviate: standard normal and independent for brakes of the population.
+    /// Limited to -8 to 8.
     [[nodiscard]] double score(const Point& point) const;
     /// log p(point | points so far), per unit of friction.
     [[nodiscard]] double log_density(const Point& point) const;
-    /// Points in the order of the maneuvers.
+    /// Adds a point; call in the order of the maneuvers.
     void learn(const Point& point);
 
     [[nodiscard]] const std::vector<Hypothesis>& hypotheses() const { return hypotheses_; }
@@ -54,7 +54,7 @@ class BrakeFilter {
     [[nodiscard]] double mean_friction(const Hypothesis& hypothesis, double c_e_J) const;
 
   private:
-    /// Covariances one maneuver on.
+    /// Covariances predicted for the next maneuver.
     struct Ahead {
         double offset, remembered, both, innovation;
     };

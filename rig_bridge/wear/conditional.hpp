@@ -1,4 +1,4 @@
-/// Mean friction of the next maneuver, given the energy that the brake has taken: eq. (14), and the exact form of it.
+/// Distribution of the next maneuver's mean friction, given the energy that the brake has taken: eq. (14), and its exact form.
 #pragma once
 
 #include <vector>
@@ -32,15 +32,15 @@ struct Conditional {
     [[nodiscard]] double mean() const;
     [[nodiscard]] double variance() const;
     [[nodiscard]] double cumulative(double friction) const;
-    /// One draw, unbounded as the normal distribution is.
+    /// One random draw; unbounded, as the normal distribution.
     [[nodiscard]] double sample(Generator& generator) const;
 };
 
 /// At any finite energy a [J].
 [[nodiscard]] Conditional friction_given_energy(const Mixture& mixture, double a_J, const ConditionalRule& rule = {});
 
-/// The same, but which components speak is asked at `weigh_at_J`, and what they say at `a_J`: beyond the data their lines go on, whereas the
-/// weights there would fall to whichever component is widest, for no reason in the data.
+/// The same, with the components' weights taken at `weigh_at_J` and their means at `a_J`. For extrapolation: beyond the data the weights at `a_J`
+/// would favour the widest component, without basis in the data.
 [[nodiscard]] Conditional friction_given_energy(const Mixture& mixture, double a_J, double weigh_at_J, const ConditionalRule& rule);
 
 }  // namespace wear

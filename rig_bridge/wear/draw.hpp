@@ -1,4 +1,4 @@
-/// Random draws of the wear model. The generator is the caller's; the same seed gives the same draws with every standard library.
+/// Random draws of the wear model. The caller owns the generator; a seed gives the same draws with every standard library.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ using Generator = std::mt19937_64;  // its sequence is fixed by the C++ standard
     return radius * std::cos(2.0 * std::numbers::pi * uniform(generator));
 }
 
-/// A generator of its own for part `stream` of what `seed` governs: parts may then run in any order, on any thread.
+/// A separate generator for part `stream` of a computation with `seed`, so that parts may run in any order and on any thread.
 [[nodiscard]] inline Generator generator_of(std::uint64_t seed, std::uint64_t stream) {
     std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U), static_cast<std::uint32_t>(stream),
                         static_cast<std::uint32_t>(stream >> 32U)};

@@ -1,4 +1,4 @@
-/// E step and the sums of the M step in one pass over the points. Inside em.
+/// E step and the sums of the M step in one pass over the points. Internal to em.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct Pass {
     double log_likelihood = 0.0;
 };
 
-/// Uses the widest vector unit that the machine has; results do not depend on it.
+/// Uses the machine's widest vector unit; results do not depend on it.
 void pass(const StandardPoints& points, const Whitened* components, std::size_t count, Pass& out);
 
 }  // namespace wear

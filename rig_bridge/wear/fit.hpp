@@ -1,5 +1,5 @@
-/// Learns the mixture of eq. (10) from a campaign: for every number of components M EM from many starts, the best of each M kept, the M with
-/// the least BIC chosen.
+/// Fits the mixture of eq. (10) to a campaign: for each number of components M, EM from many starts, keeping the best; then chooses the M with the
+/// lowest BIC.
 #pragma once
 
 #include <cstddef>
@@ -24,13 +24,13 @@ struct FitSettings {
     EmSettings em;
 };
 
-/// What the search found for one M.
+/// Result of the search for one M.
 struct OrderFit {
     std::size_t components = 0;
     double log_likelihood = 0.0;  ///< eq. (13) of the points in SI units, the best of all runs
     double bic = 0.0;
     int runs = 0;           ///< random starts, and those from the best of M - 1 and M + 1
-    int not_converged = 0;  ///< of them, carried to the end and stopped by EmSettings::max_iterations
+    int not_converged = 0;  ///< of these, not dropped but stopped by EmSettings::max_iterations
     Mixture mixture;
     std::optional<double> score{};  ///< order_score.hpp; none: not scored
 };
@@ -47,14 +47,14 @@ class Cancelled : public std::runtime_error {
 };
 
 struct FitControl {
-    unsigned threads = 1;  ///< at least 1; the result is the same bytes whatever their number
-    std::stop_token stop;  ///< looked at before each run; fit() then throws Cancelled
-    /// Steps done and steps in all; calls come from any thread, never two at a time.
+    unsigned threads = 1;  ///< at least 1; the result does not depend on it
+    std::stop_token stop;  ///< checked before each run; fit() then throws Cancelled
+    /// Called with the steps done and in total, from any thread, never concurrently.
     std::function<void(std::size_t done, std::size_t all)> progress;
 };
 
-/// Data are standardised (each coordinate to mean 0, standard deviation 1) before EM. Throws settings::Error where check() does and when the
-/// points are fewer than 6 times the components (a component has 6 parameters); std::invalid_argument for settings out of range.
+/// Data are standardised (each coordinate to mean 0, standard deviation 1) before EM. Throws settings::Error as check(), and if there are fewer than
+/// 6 points per component (a component has 6 parameters); std::invalid_argument for settings out of range.
 [[nodiscard]] Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl& control = {});
 
 }  // namespace wear

@@ -1,4 +1,4 @@
-/// The best mixture of each order: EM from many starts, of which those that fall behind are dropped on the way. Inside fit.
+/// The best mixture of each order: EM from many starts; runs that fall behind are dropped early. Internal to fit.
 #pragma once
 
 #include <vector>
@@ -14,13 +14,13 @@ struct OrderSearch {
         bool split_up = false;     ///< has given starts to the next greater order
         bool merged_down = false;  ///< has given starts to the next smaller order
     };
-    std::vector<Local> best;  ///< different maxima, the greatest first; at least one
+    std::vector<Local> best;  ///< distinct maxima, the largest first; at least one
     int runs = 0;             ///< starts
-    int not_converged = 0;    ///< of those that were carried to the end
+    int not_converged = 0;    ///< of the runs that were not dropped
 };
 
-/// For each M, ascending: random starts first. Then, up and down the orders, what is best for M - 1 with one component split, and what is best
-/// for M + 1 with two of them merged: maxima that random starts seldom find when M is large.
+/// For each M, ascending: random starts first; then, going up and down the orders, starts from the best for M - 1 with one component split, and the
+/// best for M + 1 with two merged, which find maxima that random starts seldom reach for large M.
 [[nodiscard]] std::vector<OrderSearch> search_orders(const StandardPoints& points, const FitSettings& settings, const FitControl& control);
 
 }  // namespace wear

@@ -1,4 +1,4 @@
-/// Where EM runs begin. Inside fit.
+/// Starting points of EM runs. Internal to fit.
 #pragma once
 
 #include "rig_bridge/wear/draw.hpp"
@@ -11,10 +11,10 @@ namespace wear {
 [[nodiscard]] StandardMixture random_start(const StandardPoints& points, std::size_t components, int sweeps, double covariance_floor,
                                            Generator& generator);
 
-/// One component more: component `which` in two halves, one standard deviation apart along its longer (`along`) or its shorter axis.
+/// Splits component `which` into two halves, one standard deviation apart along its longer (`along`) or shorter axis.
 [[nodiscard]] StandardMixture split(const StandardMixture& mixture, std::size_t which, bool along);
 
-/// One component less: `a` and `b` in one of the same mass, mean and covariance.
+/// Merges components `a` and `b` into one with the same weight, mean and covariance.
 [[nodiscard]] StandardMixture merged(const StandardMixture& mixture, std::size_t a, std::size_t b);
 
 }  // namespace wear

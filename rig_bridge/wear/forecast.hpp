@@ -1,8 +1,8 @@
 /// Landings left until the brake's mean friction is below a limit, as a distribution.
 ///
-/// What crosses is the brake's mean friction, without the scatter of single maneuvers: the first landing after which it is below the limit.
-/// The forecast draws a hypothesis of brake_filter.hpp by its weight, its offset, and landings with their energies from the mix, until that
-/// happens or the horizon is reached. Pure: the seed is handed in.
+/// The event is the first landing after which the mean friction, without the scatter of single maneuvers, is below the limit. Each draw takes a
+/// hypothesis of brake_filter.hpp by its weight, an offset, and landings with energies from the mix, until the event or the horizon. Pure: the seed
+/// is passed in.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace wear {
 
-/// Landings to come: each is one of these kinds, drawn by its share.
+/// A kind of future landing, drawn with probability `share`.
 struct LandingKind {
     std::string name;
     double share = 1.0;     ///< of all landings, in (0, 1]
@@ -24,7 +24,7 @@ struct LandingKind {
 };
 using LandingMix = std::vector<LandingKind>;
 
-/// One kind: the mean and deviation of the energies that the campaign's own maneuvers took, of the newest `count`.
+/// A mix of one kind, with mean and deviation of the energies of the campaign's newest `count` maneuvers.
 [[nodiscard]] LandingMix mix_of(const Campaign& campaign, std::size_t count);
 
 struct ForecastSettings {
@@ -48,25 +48,25 @@ struct Forecast {
     double c_e_J = 0.0;         ///< now
     Quantiles friction_now{};   ///< mean friction of the brake, without the newest maneuver's scatter
     double crossed_now = 0.0;   ///< probability that it is below the limit already
-    double crossed_ever = 0.0;  ///< within the horizon, now included
-    /// Landings from now on; 0: already below; none: beyond the horizon.
+    double crossed_ever = 0.0;  ///< probability within the horizon, including now
+    /// Landings left; 0: already below; none: beyond the horizon.
     std::array<std::optional<int>, 3> landings_left{};
-    /// The c_e at which that happens, likewise.
+    /// c_e at the crossing; none: beyond the horizon.
     std::array<std::optional<double>, 3> crossing_J{};
-    std::vector<double> landings;    ///< of every draw, rising; infinite: beyond the horizon
-    std::vector<double> energies_J;  ///< the c_e at which that happens, likewise
-    double alike = 1.0;              ///< probability that the brake is of the population's kind, where that was asked
-    double extrapolated = 0.0;       ///< share of the draws that had to go beyond the member's data before they crossed or ended
+    std::vector<double> landings;    ///< of every draw, ascending; infinite: beyond the horizon
+    std::vector<double> energies_J;  ///< c_e at the crossing, of every draw, ascending
+    double alike = 1.0;              ///< probability that the brake is like the population; 1 if not evaluated
+    double extrapolated = 0.0;       ///< share of the draws that left the member's data before they crossed or ended
     std::vector<FanPoint> fan;       ///< from now to a little beyond the 90 % crossing (or the horizon)
 
     [[nodiscard]] bool already_crossed() const { return crossed_now >= 0.5; }
-    [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< within the horizon, more likely than not
+    [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< whether a crossing within the horizon is less likely than not
 };
 
 /// Sets the quantiles of `f` to those of its draws.
 void take_quantiles(Forecast& f);
 
-/// Continuous ranked probability score of equally probable values, rising, for the truth `x`: E|X - x| - E|X - X'| / 2.
+/// Continuous ranked probability score of equally probable values, ascending, for the true value `x`: E|X - x| - E|X - X'| / 2.
 [[nodiscard]] double crps(const std::vector<double>& rising, double x);
 
 /// `filter` has learnt the brake's points up to `c_e_J`. Throws std::invalid_argument for settings or a mix out of range.

@@ -1,18 +1,17 @@
-/// Health of one brake, maneuver by maneuver: are its newest maneuvers those of a brake like the ones that the population knows?
+/// Monitors the health of one brake: tests whether its newest maneuvers are consistent with the brakes of the population.
 ///
-/// Each maneuver's friction is scored against what the maneuvers before it predict for it (BrakeFilter::score): a standard normal deviate z,
-/// independent of the ones before, while the brake is healthy, whatever its own level and however its scatter remembers. Three tests, all
-/// two-sided:
+/// Each maneuver's friction is scored against its prediction from the earlier ones (BrakeFilter::score): for a healthy brake a standard normal
+/// deviate z, independent of the earlier ones, whatever the brake's level and the correlation of its scatter. Three tests, all two-sided:
 ///
 ///   gradual   Page's cumulative sums with allowance 1/2: S = max(0, S + |shift of z| - 1/2). A drift: glazing, a lining that is lost.
 ///   sudden    |z_i + z_(i-1)| / sqrt 2. A step.
 ///   trend     The newest ten against what was expected of them 20 maneuvers before, over the scatter (the root of the brake's own times
 ///             the population's). A drift that the filter would follow. In the steady stage alone.
 ///
-/// Run-in and wear-out are stages of their own (Population::steady), with limits of their own, and sums begin anew there.
+/// Run-in and wear-out (Population::steady) have separate limits, and the sums are reset there.
 ///
-/// Down: friction is lost. Up: there is more torque than the pressure accounts for. A piston that sticks drags with a torque that no pressure
-/// asks for; the figures of a maneuver (eq. 7) have no other place for it than friction, drag / torque of it.
+/// A fall means lost friction, a rise more torque than the pressure explains. A sticking piston causes drag torque without pressure, which eq. (7)
+/// counts as friction, increased by the ratio drag / torque.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +27,7 @@ enum class Condition : std::uint8_t { unknown, healthy, suspect, abnormal };
 
 struct Verdict {
     Condition condition = Condition::unknown;
-    double statistic = 0.0;  ///< the greatest of the tests, as share of its limit: 1 is abnormal
+    double statistic = 0.0;  ///< largest test statistic, as share of its limit: 1 is abnormal
     double score = 0.0;      ///< z of this maneuver
     double expected = 0.0;   ///< friction that was expected of it
     double deviation = 0.0;  ///< standard deviation of that
@@ -41,22 +40,22 @@ class HealthMonitor {
     static constexpr double kSuspectFrom = 0.7;  ///< statistic
     static constexpr double kAllowance = 0.5;    ///< of the cumulative sums: they answer fastest to shifts of 1
     static constexpr double kMaxInSum = 4.0;     ///< one outlier is no trend
-    /// A maneuver that far off says nothing about what is ordinary for this brake and is not learnt from, unless as many in a row are like that.
+    /// A maneuver with a score beyond this is not learnt from, unless as many in a row are beyond it.
     static constexpr double kNotLearnt = 4.0;
     static constexpr int kMaxNotLearnt = 3;
     static constexpr std::size_t kAhead = 20;  ///< maneuvers that the trend test looks ahead
     static constexpr std::size_t kTrend = 10;  ///< maneuvers that it takes together
-    /// Of the steady stage's end: brakes that are not members wear out earlier than the first of those, and their trend is steep.
+    /// The trend test ends at this share of the steady stage's end: other brakes may wear out before the first member, with a steep trend.
     static constexpr double kTrendUntil = 0.85;
 
     /// `population` must outlive this.
     explicit HealthMonitor(const Population& population);
     explicit HealthMonitor(Population&&) = delete;
 
-    /// After a finished maneuver, in their order. Abnormal once is abnormal for good: brakes do not heal.
+    /// Call after each finished maneuver, in order. `abnormal` is permanent.
     [[nodiscard]] Verdict after(const Point& maneuver);
 
-    /// The greatest of the statistics so far, in deviates: what limits are learnt from.
+    /// Largest statistics so far, in standard deviations; limits are learnt from these.
     [[nodiscard]] const HealthLimits& greatest() const { return greatest_; }
     [[nodiscard]] const BrakeFilter& filter() const { return filter_; }
 

@@ -1,4 +1,4 @@
-/// What the readers and writers of the wear model's files share.
+/// Shared by the readers and writers of the wear model's files.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 
 namespace wear {
 
-/// An object of the file and where it stands; every key of it must be asked for.
+/// A JSON object and its place in the file; every key must be read.
 class JsonObject {
   public:
     JsonObject(std::string file, std::string path, const settings::Json& json) : file_(std::move(file)), path_(std::move(path)), json_(json) {
@@ -70,13 +70,13 @@ class JsonObject {
         return is;
     }
     void check_format(std::string_view format, std::uint64_t version) { (void)check_format(format, version, version); }
-    /// What a learnt file is from.
+    /// Origin of a learnt file.
     [[nodiscard]] std::string origin() {
         const std::string text = this->text("origin");
         if (!is_origin(text)) throw settings::Error(file_, 0, path_of("origin"), "must begin with 'measured' or 'made up', or be 'unknown origin'");
         return settings::printable(text);
     }
-    /// To be called when every key was asked for once.
+    /// Call after reading every key; throws for unread ones.
     void finish() const {
         if (asked_ != json_.size()) throw settings::Error(file_, 0, path_, "has a key that this format does not know");
     }

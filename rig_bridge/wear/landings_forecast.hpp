@@ -1,12 +1,12 @@
-/// Landings left as they are forecast for a brake in use: by the filter as far as the brake goes as its population did, by past lives as far
-/// as it does not, with an interval as wide as brakes that were left out of the learning needed it.
+/// Forecast of the landings left for a brake in use: a mixture of the filter's forecast, to the extent that the brake behaves like its population,
+/// and of past lives otherwise. The width of the interval is calibrated on brakes left out of the learning.
 ///
 ///     LandingsForecast brake(population);
 ///     for (each maneuver) brake.learn(point);
 ///     const Forecast f = brake.forecast(mix, settings);
 ///
-/// Whether it goes as they did: the filter's forecasts of friction some way ahead are compared with what came. Their mean square misfit, fading,
-/// is distributed for brakes of the kind as it was for those that were left out; for others it can be anything that is greater.
+/// To judge whether it behaves like them, the filter's forecasts of friction are compared with later measurements. For a brake of the population, the
+/// exponentially weighted mean square error has the distribution found on the left-out brakes; for other brakes it may be any larger value.
 #pragma once
 
 #include <deque>
@@ -23,13 +23,13 @@ class LandingsForecast {
     explicit LandingsForecast(const Population& population);
     explicit LandingsForecast(Population&&) = delete;
 
-    /// Points in the order of the maneuvers.
+    /// Adds a point; call in the order of the maneuvers.
     void learn(const Point& point);
-    /// After at least one point.
+    /// Call after at least one point.
     [[nodiscard]] Forecast forecast(const LandingMix& mix, const ForecastSettings& settings) const;
 
     [[nodiscard]] const BrakeFilter& filter() const { return filter_; }
-    /// Mean square of the filter's standardised errors, fading: about 1 for brakes of the population's kind.
+    /// Exponentially weighted mean square of the filter's standardised errors: about 1 for brakes of the population.
     [[nodiscard]] double misfit() const { return misfit_; }
     /// Probability that the brake is of the population's kind.
     [[nodiscard]] double alike() const;
@@ -42,7 +42,7 @@ class LandingsForecast {
 
     const Population* population_;
     BrakeFilter filter_;
-    std::deque<Expected> waiting_;  // for the brake to get there
+    std::deque<Expected> waiting_;  // forecasts not yet compared
     double reach_J_;                // how far ahead
     double c_e_J_ = 0.0;
     double misfit_ = 1.0;
@@ -50,13 +50,13 @@ class LandingsForecast {
 
 /// `count` equally probable lives, rising, of a brake that is not worn out at `c_e_J`.
 [[nodiscard]] std::vector<double> past_lives_J(const PastLives& past, double c_e_J, std::size_t count);
-/// That is over at `c_e_J`: half by the filter's draws and half by past lives.
+/// Share of the life that is over at `c_e_J`: half by the filter's draws and half by past lives.
 [[nodiscard]] double share_of_life(double c_e_J, const std::vector<double>& filter_J, const std::vector<double>& lives_J);
 
 struct Correction {
     double filter, alike, widening;
 };
-/// The draws of the filter, and as many of past lives, both rising, made one distribution; nothing comes before `now`.
+/// Combines the filter's draws and as many past lives, both ascending, into one distribution; no value is below `now`.
 [[nodiscard]] std::vector<double> corrected(std::vector<double> filter, std::vector<double> lives, double now, const Correction& correction);
 
 }  // namespace wear

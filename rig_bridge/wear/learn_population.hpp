@@ -1,4 +1,4 @@
-/// Learns a population from the campaigns of several brakes that were worn out.
+/// Learns a population from the campaigns of several worn-out brakes.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace wear {
 
 struct LearnSettings {
     FitSettings fit{.min_components = 1, .max_components = 8, .starts = 10, .seed = 1, .em = {}};
-    /// That forecasts will ask about; none: somewhere between the middle and the end of life. Every brake must have crossed it.
+    /// Friction limit of the forecasts; none: chosen between the middle and the end of life. Every brake must have crossed it.
     std::optional<double> limit{};
     /// Campaigns of other brakes, all healthy, from which health limits are learnt: better from 1000 or more of these than from few brakes' own.
     std::vector<Campaign> healthy{};

@@ -1,7 +1,7 @@
-/// Where a regulated pair of brake and tyre is heading: whether both limits can be met at the planned landing, and what happens if not. Pure.
+/// Forecast for a regulated pair of brake and tyre: whether both limits are reached at the planned landing, and otherwise which first. Pure.
 ///
-/// The energy of the landings to come has mean E = n W and standard deviation sigma sqrt(n). Shares within the reach of the allowed
-/// references decide how it is divided, nothing decides how much it is.
+/// The energy of the landings to come has mean E = n W and standard deviation sigma sqrt(n). The allowed references determine how it can be divided;
+/// its amount cannot be influenced.
 #pragma once
 
 #include <string>
@@ -12,15 +12,15 @@ namespace wear {
 
 enum class Feasibility : std::uint8_t {
     together,     ///< both at the planned landing, within the tolerance
-    early,        ///< together, but the landings bring more than is left: before the planned one
-    late,         ///< together, but they bring less: after it
-    brake_first,  ///< even the highest reference leaves the brake too much
-    tyre_first,   ///< even the lowest reference leaves the tyre too much
-    reached,      ///< nothing is left to one of them
+    early,        ///< together, but before the planned landing: the landings bring more energy than is left
+    late,         ///< together, but after it: they bring less
+    brake_first,  ///< even with the highest reference the brake wears out first
+    tyre_first,   ///< even with the lowest reference the tyre wears out first
+    reached,      ///< one of them is worn out
 };
 [[nodiscard]] const char* name(Feasibility verdict);
 
-/// A landing as it is expected, counted from the plan's begin, with standard deviation.
+/// Expected landing number, counted from the plan's beginning, with standard deviation.
 struct When {
     double landing = 0.0;
     double deviation = 0.0;
@@ -28,12 +28,12 @@ struct When {
 
 struct LimitForecast {
     Feasibility verdict = Feasibility::together;
-    double required_share = 0.0;              ///< of the tyre, of what is to come
+    double required_share = 0.0;              ///< share of the tyre in the energy to come
     double min_share = 0.0, max_share = 0.0;  ///< that the allowed references give
-    double brought = 0.0;                     ///< E over T + B: 1 where the planned landings bring just what is left; above 1 too much
+    double brought = 0.0;                     ///< E / (T + B): 1 if the planned landings bring just what is left, larger: more
     When brake, tyre;                         ///< when each limit is reached
-    /// That the landings to come bring what is left within the plan's tolerance, from their scatter alone (normal); 0 where the share is out of
-    /// reach.
+    /// Probability that the landings to come bring what is left within the plan's tolerance, from their scatter alone (normal); 0 if the share cannot
+    /// be reached.
     double probability = 0.0;
 };
 

@@ -1,7 +1,6 @@
-/// How a lining wears, as physics and not as a fitted model: contact area that runs in, a lining that wears as Archard (1953) says, a core that
-/// loses grip when the lining is nearly gone; scatter from the temperature that the maneuver before left behind, which remembers, and from
-/// hysteresis (a play operator) in how friction follows it. No Gaussian mixture is in it, so that a wear model fitted to its campaigns is not
-/// judged by itself. Numbers are assumptions [A].
+/// Physical model of lining wear: run-in of the contact area, wear after Archard (1953), and a core with less friction when the lining is nearly
+/// gone. Scatter comes from temperature, correlated between maneuvers, which friction follows with hysteresis (a play operator). It contains no
+/// Gaussian mixture, so that a wear model fitted to its campaigns is tested independently. The numbers are assumptions [A].
 #pragma once
 
 #include <array>
@@ -27,12 +26,12 @@ struct LiningLaw {
     bool operator==(const LiningLaw&) const = default;
 };
 
-/// Temperature from maneuver to maneuver, in deviations from its mean, and what friction follows of it. Draws are normal().
+/// Temperature of successive maneuvers in standard deviations from its mean, and its part that friction follows. Draws are normal().
 class LiningTemperature {
   public:
     explicit LiningTemperature(double draw) : temperature_(draw), following_(draw) {}
 
-    /// One maneuver on.
+    /// Advances by one maneuver.
     void step(const LiningLaw& law, double draw);
     [[nodiscard]] double temperature() const { return temperature_; }
     [[nodiscard]] double following() const { return following_; }
@@ -45,13 +44,13 @@ class LiningTemperature {
 /// Friction without scatter when `worn_J` >= 0 of the lining is used up.
 [[nodiscard]] double expected_friction(const LiningLaw& law, double worn_J);
 
-/// What scatters a lining's friction, maneuver by maneuver: a pure function of the brake's seed and the maneuver's number, so that a brake goes on
-/// anywhere. Of the temperatures it knows those of 24 maneuvers back; each draw is of a generator of its own.
+/// Scatter of a lining's friction per maneuver: a pure function of the brake's seed and the maneuver's number, so that a brake can be continued from
+/// any maneuver. Uses the temperatures of the last 24 maneuvers; each draw has its own generator.
 class LiningScatter {
   public:
     LiningScatter(std::uint64_t seed, std::uint64_t number);
 
-    /// One maneuver on: seeds one generator, where the constructor seeds 25.
+    /// Advances by one maneuver; seeds one generator, the constructor 25.
     void next();
     /// Mean friction of the maneuver when `worn_J` of the lining is used up.
     [[nodiscard]] double friction(const LiningLaw& law, double worn_J) const;

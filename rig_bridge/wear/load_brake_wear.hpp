@@ -1,4 +1,4 @@
-/// From `[brake.wear]` of a rig's configuration to the wear of its brake.
+/// Reads a brake's wear from `[brake.wear]` of a rig's configuration.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,8 @@
 
 namespace wear {
 
-/// Keys: `model` (a file of model_io.hpp, relative to `directory`), `energy_scale`, `friction_scale`, `life_J`; all of them must be there. The table
-/// `law`, with every member of LiningLaw, may be.
-/// Throws settings::Error naming file, line and key, and where the model's own file is wrong.
+/// Keys: `model` (a file of model_io.hpp, relative to `directory`), `energy_scale`, `friction_scale`, `life_J`; all required. The table `law`, with
+/// every member of LiningLaw, is optional. Throws settings::Error naming file, line and key, also for an error in the model's file.
 [[nodiscard]] BrakeWear load_brake_wear(const settings::Table& brake_wear, const std::filesystem::path& directory);
 
 }  // namespace wear

@@ -1,4 +1,4 @@
-/// A fitted wear model: the mixture, and what it was learnt from.
+/// A fitted wear model: the mixture and its origin.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct Model {
         double greatest_friction = 0.0;
         std::string origin = kUnknownOrigin;  ///< provenance.hpp
         bool operator==(const Data&) const = default;
-        /// J a maneuver.
+        /// Mean energy per maneuver, J.
         [[nodiscard]] double mean_step_J() const;
     };
     struct Search {
@@ -48,13 +48,13 @@ struct Model {
     std::vector<Candidate> orders;
     Mixture mixture;
 
-    /// Whether the model has seen no data near this energy: more than one mean maneuver before the first point or after the last.
+    /// Whether the energy is outside the model's data: more than one mean maneuver before the first point or after the last.
     [[nodiscard]] bool extrapolates(double c_e_J) const;
 
     bool operator==(const Model&) const = default;
 };
 
-/// How the model goes on beyond its data, in one sentence for people.
+/// How the model extrapolates beyond its data, in one sentence for people.
 constexpr const char* kHowItExtrapolates =
     "beyond the data the components that speak at its end go on along their own straight lines, with their "
     "scatter";

@@ -16,8 +16,8 @@ constexpr int kModelFormatVersion = 2;
 /// from_json(to_json(m)) == m, to the last bit, and to_json of it the same bytes.
 [[nodiscard]] std::string to_json(const Model& model);
 
-/// A file of version 1 says no origin and is of unknown origin. Throws settings::Error with `name` and the key of what is missing, unknown, of
-/// the wrong type or out of range, and for another format or version.
+/// A file of version 1 states no origin: it is unknown. Throws settings::Error with `name` and the key for a key that is missing, unknown, of the
+/// wrong type or out of range, and for another format or version.
 [[nodiscard]] Model from_json(const std::string& name, std::string_view json);
 
 [[nodiscard]] Model read_model(const std::filesystem::path& json);

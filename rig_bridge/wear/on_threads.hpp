@@ -1,4 +1,4 @@
-/// Numbered jobs on several threads, this one among them.
+/// Runs numbered jobs on several threads, including the calling one.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 
 namespace wear {
 
-/// Threads that this machine can run at once.
+/// Number of threads that this machine can run at once.
 [[nodiscard]] inline unsigned all_cores() {
     return std::max(1U, std::thread::hardware_concurrency());
 }
 
-/// Numbers 0 to `count` - 1 in that order, each for whichever thread asks next; none any more once `stop` is set.
+/// Hands out the numbers 0 to `count` - 1 in order, to any thread; none after `stop` is set.
 class JobNumbers {
   public:
     explicit JobNumbers(std::size_t count, const std::atomic<bool>* stop = nullptr) : count_(count), stop_(stop) {}
@@ -36,7 +36,7 @@ class JobNumbers {
     std::atomic<std::size_t> next_{0};
 };
 
-/// `work` on each of `threads` threads. The first exception ends `numbers`, and is thrown here once every thread has returned.
+/// Runs `work` on each of `threads` threads. The first exception ends `numbers` and is rethrown after every thread has returned.
 inline void on_threads(unsigned threads, JobNumbers& numbers, const std::function<void()>& work) {
     std::exception_ptr failure;
     std::mutex mutex;
@@ -57,7 +57,7 @@ inline void on_threads(unsigned threads, JobNumbers& numbers, const std::functio
     if (failure) std::rethrow_exception(failure);
 }
 
-/// `job` of each number from 0 to `count` - 1, see above.
+/// Runs `job` for each number from 0 to `count` - 1, as above.
 inline void run_jobs(unsigned threads, std::size_t count, const std::function<void(std::size_t)>& job, const std::atomic<bool>* stop = nullptr) {
     JobNumbers numbers(count, stop);
     on_threads(threads, numbers, [&] {

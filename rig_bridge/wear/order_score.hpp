@@ -1,5 +1,5 @@
-/// How well a mixture of each order foretells friction that it was not fitted to: beside BIC, which takes maneuvers for independent and counts what
-/// scatter remembers as structure.
+/// Cross-validated score of mixtures of each order, besides BIC, which assumes independent maneuvers and therefore counts correlated scatter as
+/// structure.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace wear {
 
-/// Maneuvers of a block: longer than scatter remembers. Every tenth block is left out at a time, so that the gaps are short against a life.
+/// Maneuvers per block: longer than the correlation of scatter. Every tenth block is left out at a time, so that gaps are short compared with a life.
 inline constexpr std::size_t kScoreBlock = 10;
 inline constexpr std::size_t kScoreFolds = 10;
 

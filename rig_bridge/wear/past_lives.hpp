@@ -1,5 +1,5 @@
-/// How much energy the brakes of a population took until their mean friction was below a limit: what is known about the life of a brake
-/// before its own friction says anything, or when it wears like none of them.
+/// Distribution of the energy that the brakes of a population took until their mean friction was below a limit: the estimate of a brake's life before
+/// its own friction shows anything, or if it wears unlike the population.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@ class PastLives {
   public:
     PastLives(const Population& population, double limit);
 
-    /// Whether half of the members, and two at least, came below the limit.
+    /// Whether at least half of the members, and at least two, fell below the limit.
     [[nodiscard]] bool known() const { return known_; }
-    /// The energy that a share in (0, 1) of the brakes do not reach, of those that are not worn out at `c_e_J`. Only when known.
+    /// Quantile `share`, in (0, 1), of the life energy of brakes that are not worn out at `c_e_J`. Requires known().
     [[nodiscard]] double life_J(double c_e_J, double share) const;
 
   private:
@@ -25,8 +25,7 @@ class PastLives {
     double log_deviation_ = 0.0;  // of one more brake
 };
 
-/// The energy from which on the curve is below the limit, and no more than `end_J`: friction is below it in run-in, too, where contact is not
-/// there yet.
+/// The energy from which on the curve stays below the limit, at most `end_J`; friction may also be below it during run-in.
 [[nodiscard]] double crossing_J(const MeanCurve& curve, double limit, double step_J, double end_J);
 
 }  // namespace wear

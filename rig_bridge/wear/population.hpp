@@ -1,4 +1,4 @@
-/// What brakes of one kind have in common and how they differ: what a forecast for one of them, and the judgement of its health, start from.
+/// Common properties of brakes of one kind and their differences: the prior for forecasts and health monitoring of one of them.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace wear {
 
-/// Mean friction over cumulative energy, without scatter, as a fitted model says it: the conditional mean of eq. (14) with every component by
-/// its weight, in a table.
+/// Mean friction over cumulative energy, without scatter, by a fitted model: a table of the conditional mean of eq. (14), with all components
+/// weighted.
 class MeanCurve {
   public:
     explicit MeanCurve(const Model& model);
 
-    /// At any c_e. Linear between points of the table, and beyond the data as the model goes on (kHowItExtrapolates).
+    /// For any c_e: linear between the table's points, beyond the data extrapolated as the model (kHowItExtrapolates).
     [[nodiscard]] double operator()(double c_e_J) const;
     [[nodiscard]] double first_J() const { return first_J_; }  ///< of the data
     [[nodiscard]] double last_J() const { return last_J_; }
@@ -30,12 +30,12 @@ class MeanCurve {
     std::vector<double> friction_;
 };
 
-/// How single maneuvers scatter about the mean of their brake; friction coefficients.
+/// Scatter of single maneuvers about the mean of their brake; friction coefficients.
 struct Scatter {
-    double memory = 0.0;      ///< of the remembered part, from one maneuver to the next, in [0, 1)
-    double remembered = 0.0;  ///< standard deviation of the part that remembers
-    double fresh = 0.0;       ///< of the part that does not, > 0
-    /// Of the brake's offset from the curves of the population: deviation that 1 MJ adds, growing with the root of energy.
+    double memory = 0.0;      ///< correlation of the remembered part from one maneuver to the next, in [0, 1)
+    double remembered = 0.0;  ///< standard deviation of the correlated part
+    double fresh = 0.0;       ///< standard deviation of the uncorrelated part, > 0
+    /// Random walk of the brake's offset from the population's curves: standard deviation after 1 MJ, proportional to the root of energy.
     double drift_per_root_MJ = 0.0;
     bool operator==(const Scatter&) const = default;
 };
@@ -44,13 +44,13 @@ struct Scatter {
 struct Spread {
     double log_energy_scale = 0.0;  ///< standard deviation of log s: it takes s times the energy for the same wear
     double offset = 0.0;            ///< standard deviation of the friction offset
-    /// What a maneuver says about which member and s are right counts so much less with each maneuver after it, in (0, 1]; 1: never forgotten.
+    /// Factor by which a maneuver's evidence for member and s decreases with each later maneuver, in (0, 1]; 1: never forgotten.
     double evidence_kept = 1.0;
     bool operator==(const Spread&) const = default;
 };
 
-/// At which value of its statistics a brake is abnormal (health.hpp). Run-in and wear-out have limits of their own: friction falls there by
-/// itself, in each brake at another time.
+/// Test statistics at which a brake is abnormal (health.hpp). Run-in and wear-out have separate limits: friction changes there in healthy brakes, at
+/// different times.
 struct HealthLimits {
     double gradual = 0.0;           ///< of the cumulative sums, in standard normal deviates
     double sudden = 0.0;            ///< of two maneuvers together, likewise
@@ -64,16 +64,16 @@ inline constexpr std::array<HealthTest, 5> kHealthTests{&HealthLimits::gradual, 
                                                         &HealthLimits::unsteady_gradual, &HealthLimits::unsteady_sudden};
 inline constexpr std::array kHealthTestNames{"gradual", "sudden", "trend", "unsteady_gradual", "unsteady_sudden"};
 
-/// Cumulative energy between which no member runs in or wears out; from == to: there is none such.
+/// Range of cumulative energy in which no member runs in or wears out; from == to: none.
 struct SteadyStage {
     double from_J = 0.0, to_J = 0.0;
     bool operator==(const SteadyStage&) const = default;
     [[nodiscard]] bool holds(double c_e_J) const { return c_e_J >= from_J && c_e_J <= to_J && to_J > from_J; }
 };
-/// Where the friction of every curve falls or rises no faster than a few times its own median slope.
+/// The range in which every curve's slope is at most a few times its own median slope.
 [[nodiscard]] SteadyStage steady_stage(const std::vector<MeanCurve>& curves);
 
-/// What forecasts of landings left showed on brakes of the population that were left out of the learning (landings_forecast.hpp).
+/// Calibration of forecasts of landings left, from brakes left out of the learning (landings_forecast.hpp).
 struct ForecastCalibration {
     double log_misfit = 0.0;                                       ///< mean of the logarithm of LandingsForecast::misfit()
     double misfit_deviation = 0.0;                                 ///< its standard deviation; 0: not known
@@ -87,7 +87,7 @@ struct ForecastCalibration {
 struct Population {
     std::string source;  ///< for people
     Provenance provenance;
-    std::vector<Model> models;  ///< of brakes that were worn out, at least one
+    std::vector<Model> models;  ///< of worn-out brakes, at least one
     Scatter scatter;
     Spread spread;
     HealthLimits limits;
@@ -100,9 +100,9 @@ struct Population {
     }
 };
 
-/// One brake only is known. How others differ is then assumed: scatter of the size that the model has, half of its variance remembered from
-/// one maneuver to the next by half; 10 % in energy, and an offset of 2.5 deviations of the scatter. [A] For forecasts: nothing is abnormal
-/// by its limits of 1.
+/// A population from a single brake, with assumed differences of others: scatter of the size that the model has, half of its variance remembered from
+/// one maneuver to the next by half; 10 % in energy, and an offset of 2.5 deviations of the scatter. [A] For forecasts: nothing is abnormal by its
+/// limits of 1.
 [[nodiscard]] Population brakes_like(const Model& model);
 /// The same with health limits from 1,000 simulated brakes of this model, half by each rule of eq. (14); takes half a second.
 [[nodiscard]] Population population_of(const Model& model);

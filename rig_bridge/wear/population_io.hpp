@@ -15,11 +15,11 @@ constexpr int kPopulationFormatVersion = 2;
 /// population_from_json(to_json(p)) == p, to the last bit.
 [[nodiscard]] std::string to_json(const Population& population);
 
-/// Also takes a single model's JSON (model_io.hpp): then population_of() that model. Throws settings::Error with `name` and the key of what
-/// is missing, unknown, of the wrong type or out of range, and for another format or version.
+/// Also accepts a single model's JSON (model_io.hpp) and returns population_of() that model. Throws settings::Error with `name` and the key for a key
+/// that is missing, unknown, of the wrong type or out of range, and for another format or version.
 [[nodiscard]] Population population_from_json(const std::string& name, std::string_view json);
 
-/// What was read, and the hash of its bytes.
+/// A population with the hash of its file's bytes.
 struct PopulationFile {
     Population population;
     std::string hash;

@@ -1,4 +1,4 @@
-/// What a learnt file was learnt from. Whoever uses the file says it again in what comes of it.
+/// Origin of a learnt file. Programs repeat it in the results that they derive from the file.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace wear {
 
 inline constexpr const char* kUnknownOrigin = "unknown origin";
 
-/// Whether a text says an origin: it begins with "measured" or "made up" (by which law or simulator, on which rig), or is kUnknownOrigin.
+/// Whether a text is a valid origin: it begins with "measured" or "made up" (by which law or simulator, on which rig), or is kUnknownOrigin.
 [[nodiscard]] bool is_origin(std::string_view text);
 
 /// For people, after "a brake" or "brakes": "measured on rig 7", "of unknown origin".
@@ -18,7 +18,7 @@ inline constexpr const char* kUnknownOrigin = "unknown origin";
 
 struct Provenance {
     std::string origin = kUnknownOrigin;
-    std::size_t lives = 1;  ///< brakes that it was learnt from
+    std::size_t lives = 1;  ///< number of brakes that it was learnt from
     bool operator==(const Provenance&) const = default;
 
     [[nodiscard]] bool made_up() const { return origin.starts_with("made up"); }
@@ -26,7 +26,7 @@ struct Provenance {
     [[nodiscard]] std::string sentence() const;
 };
 
-/// Of several: what all of them say; of different ones the least that can be trusted, made up before unknown before measured.
+/// Origin of several: their common one; if they differ, the least trustworthy: made up before unknown before measured.
 [[nodiscard]] std::string common_origin(const std::vector<std::string>& origins);
 
 }  // namespace wear

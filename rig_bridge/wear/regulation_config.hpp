@@ -1,5 +1,5 @@
-/// What config/regulation.toml asks of the regulation of wear: plan, rules, and the table of what references give on each surface; what is believed
-/// of lives, and prices.
+/// Configuration of wear regulation, config/regulation.toml: plan, rules, floor table of references per surface, assumed scatter of lives, and
+/// prices.
 #pragma once
 
 #include <filesystem>
@@ -15,14 +15,14 @@ namespace wear {
 struct Deviations {
     double brake = 0.0;
     double tyre = 0.0;
-    double inspection = 0.0;  ///< of the worn part that an inspection reads, over the whole of a new one
+    double inspection = 0.0;  ///< of the worn share read at an inspection, of a whole new part
 };
 
-/// An owner's, in any currency.
+/// The owner's prices, in any currency.
 struct Prices {
     double brake = 0.0;  ///< from new to worn out
     double tyre = 0.0;
-    double visit = 0.0;  ///< to the shop, whatever is changed there
+    double visit = 0.0;  ///< per workshop visit, whatever is changed
     double metre = 0.0;  ///< of stopping distance, each landing
 };
 
@@ -32,14 +32,13 @@ struct RegulationConfig {
     WearPlan plan;
     Rules rules;
     SurfaceTable floor;
-    /// Seen before the plan's begin, or to be reckoned with: the range must hold on them from the first landing on. All that the table has,
-    /// unless the file names them.
+    /// Surfaces on which the range must hold from the first landing on. All in the table, unless the file names them.
     std::vector<std::string> surfaces;
-    /// Of the interval of a forecast of the brake's life, over the plan's brake budget: a wider one is not used. 0: nobody forecasts.
+    /// Largest usable width of the interval of the brake's life forecast, relative to the plan's brake budget. 0: no forecast.
     double forecast_widest = 0.0;
     Deviations deviations;
     Prices prices;
-    std::vector<std::filesystem::path> files;  ///< that were read, for the hash of results
+    std::vector<std::filesystem::path> files;  ///< files that were read, for the hash of results
 
     /// allowed() with these surfaces and one more (empty: none).
     [[nodiscard]] Range range(const std::string& surface = {}) const;
@@ -47,7 +46,7 @@ struct RegulationConfig {
     [[nodiscard]] Range range_on(const std::string& surface) const;
 };
 
-/// "all", or names with commas between, of the table's surfaces. Throws std::invalid_argument naming one that it does not have.
+/// "all", or names with commas between, of the table's surfaces. Throws std::invalid_argument naming an unknown one.
 [[nodiscard]] std::vector<std::string> surfaces_of(const SurfaceTable& table, const std::string& text);
 
 /// Reads `file` and the floor table that it names, which stands beside it. Throws settings::Error naming file, line and key.
@@ -58,7 +57,7 @@ struct RegulationConfig {
 /// The same as TOML text; `made_by` is the command, for its first line.
 [[nodiscard]] std::string to_toml(const SurfaceTable& table, const std::string& made_by);
 
-/// The whole plan for a brake and the energy of its landings. Throws settings::Error where the brake has taken more than its life.
+/// The whole plan for a brake and the energy of its landings. Throws settings::Error if the brake has taken more than its life.
 [[nodiscard]] WearPlan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J);
 
 }  // namespace wear

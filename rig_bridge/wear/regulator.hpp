@@ -1,6 +1,5 @@
-/// Shares the wear of brake and tyre between the two, landing by landing, through the slip reference. Pure: measured landings in, the next
-/// reference out; no plant, clock, file or randomness. The same landings give the same references, so that a regulator is rebuilt by
-/// telling it what was measured so far.
+/// Divides wear between brake and tyre, landing by landing, by the slip reference. Pure: measured landings in, next reference out; no plant, clock,
+/// file or randomness. The same landings give the same references, so that a regulator can be rebuilt from past measurements.
 ///
 ///     Regulator regulator(plan, rules, range);
 ///     for (each landing) {
@@ -8,9 +7,9 @@
 ///         regulator.after(measured);
 ///     }
 ///
-/// Of the energy that a landing brings the tyre takes about the slip, the brake the rest (eq. 8 and 9). With B and T left to the brake and
-/// the tyre, both are used up together, whatever landings come, where the tyre's share is T / (T + B); they are so at the planned landing
-/// where those landings bring T + B in all. docs/engineering/regulation.md has the proof that the remaining ratio is held, and its conditions.
+/// The tyre takes a share of a landing's energy about equal to the slip, the brake the rest (eq. 8 and 9). With B and T left to brake and tyre, a
+/// tyre share of T / (T + B) uses up both together, whatever the landings; at the planned landing if the landings until then bring T + B in total.
+/// docs/engineering/regulation.md has the proof that the remaining ratio is held, and its conditions.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +19,7 @@
 
 namespace wear {
 
-/// What shall be reached. Energies in J, all above 0 but those taken.
+/// The goal. Energies in J, all above 0 except those taken.
 struct WearPlan {
     int landings = 0;  ///< both limits shall be reached with this one, counted from the plan's begin
     double brake_life_J = 0.0;
@@ -29,24 +28,24 @@ struct WearPlan {
     double tyre_taken_J = 0.0;
     double landing_J = 0.0;  ///< kinetic energy of a landing, expected mean and standard deviation
     double landing_deviation_J = 0.0;
-    double tolerance = 0.02;  ///< of what each may take in the plan: used up within this counts as met
+    double tolerance = 0.02;  ///< allowed deviation at the planned landing, as share of what each may take in the plan
 
     [[nodiscard]] double brake_budget_J() const { return brake_life_J - brake_taken_J; }
     [[nodiscard]] double tyre_budget_J() const { return tyre_life_J - tyre_taken_J; }
 };
 
 struct Rules {
-    double default_reference = 0.24;  ///< before anything was measured, and when measurements stay away
-    double step = 0.02;               ///< most change of the reference from one landing to the next
+    double default_reference = 0.24;  ///< before the first measurement, and when measurements are missing
+    double step = 0.02;               ///< largest change of the reference from one landing to the next
     int patience = 3;                 ///< landings without measurement after which it goes back to the default
-    double books_tolerance = 0.1;     ///< brake + tyre against kinetic energy: further off is implausible
+    double books_tolerance = 0.1;     ///< largest plausible relative difference of brake + tyre energy from kinetic energy
     double j_mu_floor = 0.85;
     double adaptation = 0.05;  ///< weight of the newest landing in the share that a reference gives, once settled
 };
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// What was measured of one landing. NaN: not measured.
+/// Measurements of one landing. NaN: not measured.
 struct Landing {
     double reference = kUnknown;       ///< in force
     double expected_share = kUnknown;  ///< of the tyre, by a table for this reference on its surface; NaN: the reference itself
@@ -57,35 +56,35 @@ struct Landing {
     double brake_wear_J = kUnknown;  ///< c_e, all that the brake has taken since new, this landing included; NaN: added up here
 };
 
-/// How a landing was taken.
+/// Whether a landing's measurement was used.
 enum class Reading : std::uint8_t {
     measured,
     missing,          ///< a figure is absent or no number
     negative,         ///< an energy is below zero
-    beyond_kinetic,   ///< the tyre or the brake took more than there was
-    energy_mismatch,  ///< brake and tyre together are not what there was
-    counter_back,     ///< the brake's cumulative energy went back
+    beyond_kinetic,   ///< tyre or brake took more than the kinetic energy
+    energy_mismatch,  ///< brake plus tyre energy differs from the kinetic energy
+    counter_back,     ///< the brake's cumulative energy decreased
 };
 [[nodiscard]] const char* name(Reading reading);
 
 class Regulator {
   public:
-    /// `range`: references that the floor allows, see allowed(). Throws std::invalid_argument for a plan or rules that cannot be, and for a
-    /// default outside of `range`.
+    /// `range`: references that the floor allows, see allowed(). Throws std::invalid_argument for an impossible plan or rules, and for a default
+    /// outside `range`.
     Regulator(const WearPlan& plan, const Rules& rules, const Range& range);
 
-    /// For the next landing: always within range().
+    /// Reference for the next landing, always within range().
     [[nodiscard]] double reference() const { return reference_; }
 
-    /// After every landing. One that is not `measured` is counted with the energy and the share that are expected, and moves the reference
-    /// only when `patience` is over: then towards the default, step by step.
+    /// Call after every landing. One that is not `measured` is counted with expected energy and share; after `patience` of them the reference moves
+    /// stepwise to the default.
     Reading after(const Landing& landing);
-    /// Energy that was spent without a landing (a maneuver that was aborted); what is no number or negative is left out.
+    /// Adds energy spent without a landing, e.g. in an aborted maneuver; NaN and negative values are ignored.
     void spent(double brake_J, double tyre_J);
-    /// Another estimate of a life, from friction or an inspection; false, and nothing changes, for one that is no number or not positive.
+    /// Sets a new estimate of the life, from friction or an inspection; false, without effect, if it is NaN or not positive.
     bool revise_brake_life(double life_J);
     bool revise_tyre_life(double life_J);
-    /// A further surface narrows the range; never widens it. Throws std::invalid_argument for a range without the default.
+    /// Narrows the range for a further surface; never widens it. Throws std::invalid_argument for a range without the default.
     void narrow(const Range& range);
 
     [[nodiscard]] const WearPlan& plan() const { return plan_; }
@@ -98,14 +97,14 @@ class Regulator {
     [[nodiscard]] double tyre_used_J() const { return tyre_J_; }
     [[nodiscard]] double brake_left_J() const;  ///< never below 0
     [[nodiscard]] double tyre_left_J() const;
-    /// T / (T + B), of the energy still to come the tyre's part; the default reference's where nothing is left.
+    /// T / (T + B), the tyre's share of the energy to come; the default reference's share if nothing is left.
     [[nodiscard]] double required_share() const;
-    /// Of the newest landing that was measured; NaN before one.
+    /// Tyre share of the newest measured landing; NaN before the first.
     [[nodiscard]] double measured_share() const { return measured_share_; }
     /// Tyre share that a reference gives, as learnt so far.
     [[nodiscard]] double share_of(double reference) const { return share_per_slip_ * reference; }
     [[nodiscard]] double share_per_slip() const { return share_per_slip_; }
-    /// Energy of a landing to come: what was expected and what was measured, the former worth kPriorLandings of the latter.
+    /// Mean energy of a future landing: weighted mean of expectation, with the weight of kPriorLandings, and measured landings.
     [[nodiscard]] double landing_J() const;
 
     static constexpr double kPriorLandings = 20.0;

@@ -1,4 +1,4 @@
-/// Between SI units and the standardised coordinates that EM works in.
+/// Converts between SI units and the standardised coordinates used by EM.
 #pragma once
 
 #include <vector>

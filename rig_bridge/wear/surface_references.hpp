@@ -1,8 +1,8 @@
-/// The slip reference on each surface that stops soonest, where the tyre shall take a given share of the energy in the mean of all surfaces.
+/// Slip references per surface that minimise stopping distance for a given mean tyre share of the energy over all surfaces.
 ///
-/// Minimise sum p_s d_s(r_s) subject to sum p_s share_s(r_s) = S. By Lagrange each surface stands where its distance rises by the same lambda for
-/// more share. On lower convex hulls of the points (share, distance) lambda is the slope of an edge, so the answer is exact without a search: all
-/// edges in the order of their slope, taken from every surface's lowest reference on until the mean share is S. Pure.
+/// Minimise sum p_s d_s(r_s) subject to sum p_s share_s(r_s) = S. At the optimum (Lagrange) d distance / d share is the same lambda on every surface.
+/// On the lower convex hulls of the points (share, distance) lambda is the slope of an edge, which gives the exact solution without a search:
+/// starting at each surface's lowest reference, edges are taken in order of slope until the mean share is S. Pure.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +14,23 @@ namespace wear {
 
 class SurfaceReferences {
   public:
-    /// Surfaces as the table counts them, each with the references that the floor allows there. Throws as allowed(), and std::invalid_argument for a
-    /// table whose shares do not rise.
+    /// Surfaces are indexed as in the table, each with the references allowed by the floor. Throws as allowed(), and std::invalid_argument for a
+    /// table whose shares do not increase.
     SurfaceReferences(const SurfaceTable& table, double floor, double default_reference);
 
-    /// Mean shares that these references can give; the default reference's share lies between.
+    /// Range of mean shares that these references can give; includes the default reference's share.
     [[nodiscard]] Range shares() const;
-    /// Of the default reference on every surface.
+    /// Mean share with the default reference on every surface.
     [[nodiscard]] double default_share() const;
-    /// On `surface`, where the mean share shall be `mean_share`; the nearest that can be had.
+    /// Reference on `surface` for the mean share `mean_share`, or the nearest possible one.
     [[nodiscard]] double reference(std::size_t surface, double mean_share) const;
     /// Tyre share of a reference there, by the table.
     [[nodiscard]] double share(std::size_t surface, double reference) const;
     [[nodiscard]] const Range& range(std::size_t surface) const { return surfaces_.at(surface).range; }
 
-    /// One more landing on `surface`: it counts for more from now on. At first all count alike, worth kPriorLandings together.
+    /// Counts a landing on `surface`, which increases its weight. Initially all have equal weight, worth kPriorLandings together.
     void landed(std::size_t surface);
-    /// J_mu was below the floor there: that side's bound goes to `step` before `reference`, not beyond the default.
+    /// Call if J_mu was below the floor there: moves the bound on that side to `step` before `reference`, at most to the default.
     void narrow(std::size_t surface, double reference, double step);
 
     static constexpr double kPriorLandings = 20.0;

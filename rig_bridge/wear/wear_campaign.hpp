@@ -1,5 +1,4 @@
-/// What an endurance campaign measured: mean brake friction over the energy that the brake had taken, one point a maneuver (the
-/// paper's Fig. 7).
+/// Measurements of an endurance campaign: mean brake friction over the energy taken by the brake, one point per maneuver (the paper's Fig. 7).
 #pragma once
 
 #include <filesystem>
@@ -19,7 +18,7 @@ struct Point {
     bool operator==(const Point&) const = default;
 };
 
-/// What else a maneuver was, for those who make it again.
+/// Further data of a maneuver, to reproduce it.
 struct Braking {
     double brake_on_mps = 0.0;    ///< rim speed at brake-on
     double mean_torque_Nm = 0.0;  ///< of the brake, from brake-on to standstill
@@ -30,7 +29,7 @@ struct Braking {
 struct Campaign {
     std::string source;                   ///< where it was read, for people
     std::vector<Point> points;            ///< in the order of the maneuvers
-    std::vector<Braking> brakings{};      ///< one a point where they were recorded, else none
+    std::vector<Braking> brakings{};      ///< one per point if recorded, else empty
     std::string brake{}, disc{};          ///< serial numbers; empty: not known
     std::string origin = kUnknownOrigin;  ///< provenance.hpp
     bool operator==(const Campaign&) const = default;
@@ -47,7 +46,7 @@ struct Campaign {
 /// The same from a file.
 [[nodiscard]] Campaign read_campaign(const std::filesystem::path& csv);
 
-/// The same demands on points that came another way; row i is said to be line `first_line` + i of `campaign.source`.
+/// The same checks for points from another source; errors name row i as line `first_line` + i of `campaign.source`.
 void check(const Campaign& campaign, unsigned first_line = 1);
 
 /// CSV that read_campaign() reads back to the last bit: the origin where it is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J,
@@ -55,14 +54,13 @@ void check(const Campaign& campaign, unsigned first_line = 1);
 /// energy was counted before it.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 
-/// Of the points: the same for the same ones, wherever they came from and whatever else was recorded.
+/// Hash of the points alone, independent of their source and other data.
 [[nodiscard]] std::string data_hash(const Campaign& campaign);
 
-/// J that the brake had taken before the first maneuver: 0 for one that was new (see brake_energy_J()), else a mean maneuver less than after it.
+/// Energy taken by the brake before the first maneuver, J: 0 for a new one (see brake_energy_J()), else that after it minus a mean maneuver.
 [[nodiscard]] double taken_before_J(const Campaign& campaign);
 
-/// J that maneuver `i` of the campaign took. The first is what energy was counted up to it, when that is no more than 1.5 times the mean
-/// of the others (a brake that was new), else NaN.
+/// Energy of maneuver `i`, J. For the first it is the cumulative energy if that is at most 1.5 times the mean of the others (a new brake), else NaN.
 [[nodiscard]] double brake_energy_J(const Campaign& campaign, std::size_t i);
 
 }  // namespace wear
