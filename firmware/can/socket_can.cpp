@@ -39,7 +39,7 @@ can_frame raw(const Frame& frame) {
     return out;
 }
 
-/// Tells of each frame that arrives at `bell`, read or not.
+/// Makes an epoll descriptor that reports each frame arriving at `bell`, read or not.
 int edge_triggered(const int bell, const std::string& interface) {
     epoll_event arrival{};
     arrival.events = EPOLLIN | EPOLLET;
@@ -105,7 +105,7 @@ SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t
 
     socket.bind();
     if (options.wakes) {
-        // A filter for one identifier alone is the kernel's last to be served: when the bell rings, the frame is in the other socket.
+        // The kernel serves filters for a single identifier last: when this socket receives the frame, the other one already has it.
         RawSocket bell(interface);
         const can_filter one{.can_id = *options.wakes, .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK};
         bell.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, one, "the filters");
@@ -207,7 +207,7 @@ std::size_t SocketCan::send_all(std::span<const Frame> frames) {
     return taken;
 }
 
-/// As the kernel counts what has not yet left the interface's queue for the adapter. A kernel that does not say has nothing waiting.
+/// By the kernel's count of bytes that have not yet left the interface's queue; 0 if the kernel does not report it.
 bool SocketCan::earlier_frames_wait() const {
     std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
     socklen_t size = sizeof memory;
@@ -229,7 +229,7 @@ bool SocketCan::wait(Time timeout) {
 bool SocketCan::wait_for_bell(const timespec& limit) {
     epoll_event event{};
     const bool rung = epoll_pwait2(bell_rings_, &event, 1, &limit, nullptr) > 0;
-    // A full bell would not ring any more.
+    // A full receive queue of the second socket would raise no further events.
     if (!rung || ++rings_ % kBatch == 0) {
         for (mmsghdr& header : batch_->headers) header.msg_hdr.msg_controllen = Batch::kControl;
         (void)recvmmsg(bell_, batch_->headers.data(), kBatch, MSG_DONTWAIT, nullptr);

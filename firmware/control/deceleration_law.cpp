@@ -25,8 +25,8 @@ void DecelerationLaw::start(const Estimate& estimate) {
     held_Pa_ = estimate.pressure.pressure_Pa;
 }
 
-/// Far from the limit the guard rests: its integral would wind up there, and at low speed it would cut the pressure for
-/// the noise of the road torque.
+/// Far from the limit the guard is inactive: its integral would wind up, and at low speed the noise of the road torque would make it reduce the
+/// pressure.
 float DecelerationLaw::guarded_Pa(const Estimate& e, float ceiling_Pa) {
     if (e.late_slip > kGuardShare * config_.slip_limit) return guard_.pressure_Pa(e, config_.slip_limit, ceiling_Pa);
     guard_.start(e);
@@ -34,8 +34,8 @@ float DecelerationLaw::guarded_Pa(const Estimate& e, float ceiling_Pa) {
 }
 
 float DecelerationLaw::pressure_Pa(const Estimate& e, float deceleration_mps2, float ceiling_Pa) {
-    // The filter differentiates the speed itself: its integral over a build-up is the speed that was lost. The estimator's
-    // acceleration believes the brake before it believes the road, and adds up to more.
+    // The filter differentiates the speed itself: its integral over a build-up is the speed lost. The estimator's acceleration follows the brake
+    // sooner than the road, and its integral is larger.
     const float gain = config_.filter_radps * period_s_ / (1.0F + config_.filter_radps * period_s_);
     behind_radps_ = (behind_radps_ + omega_before_radps_ - e.omega_radps) * (1.0F - gain);
     omega_before_radps_ = e.omega_radps;

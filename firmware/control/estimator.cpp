@@ -29,8 +29,8 @@ Estimator::Estimator(const Config& config)
       valve_model_(config.valve, config.period_s, config.estimator),
       standing_radius_m_(config.wheel.nominal_radius_m) {}
 
-/// A wheel that rolls freely shows its radius: v / omega. Brake torque would show as slip, spin-up as
-/// acceleration: both are waited out. In the air it turns at any speed.
+/// A wheel that rolls freely shows its radius: v / omega. Not during braking (slip) or spin-up (acceleration), and not in the air, where it turns at
+/// any speed.
 inline void Estimator::calibrate_radius(bool on_wheels) {
     const Estimate& e = estimate_;
     const bool free = on_wheels && e.pressure.pressure_Pa < free_Pa_ && e.v_mps > calibrates_above_mps_ && wheel_reading_.fresh &&
@@ -47,7 +47,7 @@ inline void Estimator::calibrate_radius(bool on_wheels) {
 inline void Estimator::look_ahead(float v_mps) {
     Estimate& e = estimate_;
     const float believed = e.answer_per_s > 0.0F ? prediction_share_ * e.answer_per_s : e.answer_per_s;
-    // WheelStep's steps, the change of speed taken together: a wheel that would stop on the way stops at the end.
+    // As repeated WheelSteps with the speed changes added up: a wheel that would stop in between stops at the end.
     const WheelStep step(believed, period_s_);
     const float follows = believed * step.acting_s();
     const float half_gain = 0.5F * brake_gain_;

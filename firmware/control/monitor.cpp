@@ -18,7 +18,7 @@ FaultSet only(Fault fault, bool if_so) {
 FaultSet only(Fault fault) {
     return only(fault, true);
 }
-/// A sound frame is never late: one that is counts as several readings.
+/// A healthy sensor's frame is never late; a late one counts as several readings.
 void take_reading(Test& test, FaultSet wrong, Fault lost) {
     constexpr int kMore = 3;
     test.take(wrong);
@@ -52,7 +52,8 @@ Monitor::Monitor(const Config& config)
       pressure_stays_(config.monitor.off_command_s, config.period_s) {}
 
 inline Monitor::Arrival::MessageState Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
-    // Of frames that mostly fail their checks some pass by chance: what they say is worth nothing. A repeat of each good one is harmless.
+    // If most frames fail their checks, some bad ones pass by chance, so that even accepted values are unreliable. A repeat of each good frame is
+    // harmless.
     if (const std::uint32_t more = rejected_now - rejected_before; more != 0) {
         rejected_before = rejected_now;
         constexpr std::uint32_t kCountWentBack = 1U << 31U;
@@ -87,8 +88,8 @@ inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& readi
     if (!reading.fresh) return {};
     if (reading.late_s > latest_s_) return only(names.lost);
     if (!is_possible(reading, encoder.max_speed_radps)) return only(names.range);
-    // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration times that. Each is off by
-    // two misplaced teeth at the most; all four at their worst do not come together.
+    // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration times that. Each has an error of at
+    // most two misplaced teeth; the worst case of all four at once does not occur.
     constexpr float kThreePitches = 3.0F * 6.28318531F;
     const float span = larger(reading.interval_s, period_s_);
     const float beyond = magnitude(reading.speed_radps - speed.last_radps) - encoder.max_acceleration_radps2 * span;
@@ -104,8 +105,8 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     const bool rolls = before.rolling && moving;
     const bool stands = reading.speed_radps == 0.0F;
 
-    // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only takes from one that is faster than that. The
-    // pressure that counts as none may drag, and what brake or road have wound up in a carcass swings back.
+    // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only slows a wheel that is faster than the aircraft. Residual
+    // pressure may drag, and torque stored in the carcass by brake or road is released.
     const float brakes_Pa = larger(larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa()), released_Pa_);
     acted_radps2_ = larger(larger(e.brake_gain * brakes_Pa, e.road_radps2), acted_radps2_ * (1.0F - period_s_ / config_.off_command_s));
     const float fall = hardest_brake_ * acted_radps2_;
@@ -134,8 +135,8 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     faults.insert(wheel_.stays.found());
 }
 
-/// An encoder that dies or leaps at speed must be found before the law believes it: it would lock the wheel, and then both encoders agree,
-/// or hardly brake.
+/// An encoder that fails or jumps at speed must be found before the law uses it: the law would lock the wheel, after which both encoders agree, or
+/// hardly brake.
 inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands) {
     const Estimate& e = estimator.estimate();
     const SpeedReading& reading = estimator.flywheel_reading();
@@ -143,7 +144,7 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     const float reads_mps = reading.speed_radps * flywheel_radius_m_;
     const float sensible_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
     const float step_mps = config_.max_deceleration_mps2 * period_s_;
-    // Neither one wild reading nor the tracker's overshoot after it may count as a speed that was. Once it has leapt it stays so.
+    // Neither a single wild reading nor the tracker's overshoot after it may count as an earlier speed. A real jump persists.
     flywheel_.min = larger(smaller(smaller(reads_mps, e.v_mps), sensible_mps), flywheel_.min - step_mps);
     const float fastest_mps = larger(reads_mps, e.v_mps);
     const bool held = lands && !flywheel_.reading.found().contains(Fault::flywheel_rate);
@@ -151,7 +152,7 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     const bool falls = reads_mps < (1.0F - config_.overspeed_share) * flywheel_.min && reading.valid && flywheel_.min > config_.plausible_above_mps;
     const bool jumps = reads_mps > (1.0F + config_.overspeed_share) * max_mps_ && reads_mps > config_.plausible_above_mps;
     if (!wrong.contains(Fault::flywheel_range)) wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, jumps));
-    // A reading that stays for periods is one reading: noise must not count for more than it is.
+    // A reading that stays for several periods counts once, otherwise its noise would count several times.
     if (reading.fresh || (reading.bounded && falls)) take_reading(flywheel_.reading, wrong, Fault::flywheel_lost);
 
     const bool stands = reading.speed_radps == 0.0F && e.omega_radps * e.radius_m > config_.plausible_above_mps;
@@ -176,12 +177,12 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
 
     const bool frozen = magnitude(model - model_at_change_Pa_) > config_.pressure_moves_Pa;
     const bool off = magnitude(reading - model) > config_.off_command_Pa;
-    // No current has no tolerance of the valve's map: what stays then is a leak or a spool that sticks, and enough to lock a wheel on ice.
+    // Without current the map has no tolerance: remaining pressure is a leak or a sticking spool, and may lock a wheel on ice.
     const ManeuverInput& maneuver = sensors.maneuver;
     const bool moving = estimator.estimate().v_mps > config_.plausible_above_mps;
     const bool matters = before.rolling || (moving && maneuver.weight_on_wheels) || maneuver.arm;
     const bool remains = matters && model < 0.04F * released_Pa_ && reading > released_Pa_;
-    // What the laws that mean a pressure make up for.
+    // The offset that the pressure laws can compensate.
     const bool means_pressure = holds_slip(maneuver.law) || maneuver.law == Law::deceleration;
     const bool shifted = before.braking && means_pressure && model > 2.0F * released_Pa_ &&
                          magnitude(estimator.valve_offset_Pa()) > larger(compensated_share_ * model, released_Pa_);
@@ -190,8 +191,8 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
     faults.insert(pressure_stays_.found());
 }
 
-/// Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure it does
-/// neither: on ice a released wheel takes its time.
+/// Integrates slip above the reference, reduced by slip below it: no healthy loop stays above it for long, on any surface. Paused without pressure,
+/// because a released wheel on ice spins up slowly.
 inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const Before& before) {
     constexpr float kMax_s = 0.1F;
     if (!holds_slip(maneuver.law) || !before.braking) {

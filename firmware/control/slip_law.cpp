@@ -21,14 +21,14 @@ void SlipLaw::start(const Estimate& estimate) {
     off_slip_ = 0.0F;
 }
 
-/// What a loop that hunts, or a wheel that locks, shows on any road: slip that stays above the reference.
-/// The floor takes the largest reference to the earliest peak of friction; every smaller reference then ends before that peak.
+/// Lowers the reference for slip that stays above it, the sign of a hunting loop or a locking wheel on any road. The floor takes the largest
+/// reference to the earliest peak of friction; every smaller reference then ends before that peak.
 void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
     const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
     share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, config_.earliest_peak_slip / kMaxSlipReference, 1.0F);
 }
 
-/// Towards the reference while the road restores the slip, back while the wheel runs away.
+/// Increases the share of the reference while the road is restoring, reduces it while the wheel runs away.
 float SlipLaw::answered_rate_per_s(const Estimate& e) {
     answer_per_s_ += (e.answer_per_s - answer_per_s_) * config_.answer_filter_radps * period_s_;
     const float wanted = (answer_per_s_ + config_.runaway_per_s) / config_.answer_scale_per_s;
@@ -68,7 +68,7 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float wanted_rate = (config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
     const float wanted_Pa = e.late_balance_Pa + smaller(wanted_rate, max_rate) / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
-    // The integral rests while the slip rate or the valve is at a limit and the error would drive it further in.
+    // The integral is held while slip rate or valve is at a limit and the error would drive it further (anti-windup).
     const bool winds_up = ((wanted_rate > max_rate || wanted_Pa > given_Pa) && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F);
     if (!winds_up) integral_ += config_.k_i_per_s2 * error * period_s_;
     return given_Pa;

@@ -12,8 +12,8 @@ constexpr Time kLatest{25'000'000};  // no sound frame is later than this agains
 
 SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
 
-/// The sensor's clock has another zero than ours, which the quickest frames tell. They are forgotten within some thousand readings: the clocks
-/// drift, and one that is set is no frame that is late.
+/// The offset of the sensor's clock from ours is estimated from the frames with the least delay. They are forgotten within some thousand readings,
+/// because the clocks drift, and a clock that was set must not look like a late frame.
 float SpeedEstimator::late_s(const SpeedInput& input) {
     constexpr int kForgotten = 10;  // as a power of two, readings
     const Time after = input.received - input.edge_time;
@@ -52,8 +52,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
         edge_time_ = input.edge_time;
         newest_edge_seen_ = input.received;
     } else if (edges != 0 && took.count() > 0) {
-        // The first edge after a standstill only starts the clock: it says nothing about the time since the
-        // one before.
+        // The first edge after a standstill only starts the clock: the time since the previous edge is unknown.
         reading.late_s = late_s(input);
         if (running_) {
             reading.interval_s = seconds(took);

@@ -28,8 +28,8 @@ void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
         protected_ = false;
 }
 
-/// A released wheel comes back within J omega / (mu F_z r), once the valve has let go and an edge can show it: a rim that does not turn with
-/// the aircraft by then is held by something else.
+/// A released wheel comes back within J omega / (mu F_z r), once the valve has let go and an edge can show it: if the rim does not turn with the
+/// aircraft by then, something else holds it.
 bool Supervisor::stays_locked(bool locked, float speed_mps) {
     constexpr float kPaidBackBy = 3.0F;  // good periods that make up for a locked one
     if (!locked) {
@@ -88,11 +88,11 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
 State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet present, Time /*now*/) {
     watch_touchdown(sensors.maneuver.weight_on_wheels, e);
     State wanted = next(sensors, e, present);
-    // A law that holds a slip does not lock again and again, unless what it reads or commands comes late. To others it is their way.
+    // A slip law does not lock repeatedly, unless its inputs or commands are late. Other laws may.
     if (wanted != State::locked_wheel && !holds_slip(sensors.maneuver.law)) locked_s_ = 0.0F;
     if (stays_locked(wanted == State::locked_wheel, e.v_mps)) present.insert(Fault::lock_persists);
     // Before the self-test has passed nothing may be there yet: a missing input is no fault until then, and there is no
-    // permission either. Somebody who presses the emergency stop means it all the same.
+    // permission either. The emergency stop is a fault even then.
     if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {
         if (present.contains(Fault::emergency_stop)) stop_periods_left_ = whole_periods(kStopLasts_s, period_s_) - 1U;
         latched_.insert(present);

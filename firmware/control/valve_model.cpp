@@ -82,12 +82,12 @@ void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
     const float innovation = measured_Pa - state_.pressure_Pa;
     state_.pressure_Pa += correct_pressure_ * innovation;
     state_.rate_Paps += correct_rate_ * innovation;
-    // What is further off than any offset leaves it is no offset: a current that is wrong for 50 ms must not teach one.
+    // The innovation is limited to what an offset can cause: a wrong current for 50 ms must not be learnt as an offset.
     const float taught = limited(innovation, -max_innovation_Pa_, max_innovation_Pa_);
     offset_Pa_ = limited(offset_Pa_ + correct_offset_ * taught, -max_offset_Pa_, max_offset_Pa_);
 }
 
-/// By a share of what is asked at the most: no pressure stays none.
+/// Compensates at most a share of the request, so that zero stays zero.
 float ValveModel::compensated_Pa(float pressure_Pa) const {
     const float max = offset_share_ * pressure_Pa;
     return pressure_Pa - limited(offset_Pa_, -max, max);

@@ -61,7 +61,7 @@ void WheelObserver::predict(const Drive& drive) {
     if (aa_ < kMaxVariance) aa_ += answer_noise * answer_noise * h;
 }
 
-/// Readings that are off to one side for longer than chance allows.
+/// Whether readings deviate to one side for longer than noise explains.
 bool WheelObserver::is_another_road(float surprise, float since_s, float variance) {
     constexpr float kMemory_s = 0.008F;
     mean_surprise_ += (surprise - mean_surprise_) * since_s / (kMemory_s + since_s);
@@ -102,10 +102,10 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;
     const float per_variance = 1.0F / (w - age * t + variance);
     const float k_w = w * per_variance, k_t = t * per_variance;
-    // A bound tells that the wheel is slower. Taken for a reading, it is late on a wheel that gains speed, and explained by a road that
-    // answers more and more.
+    // An upper bound only shows that the wheel is slower. Used as a reading of an accelerating wheel it would be late, and explained by an ever
+    // larger answer of the road.
     const float k_a = reading.fresh ? a * per_variance : 0.0F;
-    // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not make more of a reading.
+    // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not lead to a larger correction.
     const float at_most = larger(motion_.omega_radps, 2.0F * reading.speed_radps);
     motion_.omega_radps = limited(motion_.omega_radps + k_w * surprise, 0.0F, at_most);
     motion_.road_radps2 = limited(motion_.road_radps2 + k_t * surprise, -max_radps2_, max_radps2_);

@@ -30,7 +30,7 @@ Check interface_check(const CanLink& link, const std::string& interface, std::ui
 }
 
 Check queue_check(const CanLink& link, const std::string& interface) {
-    // One period's frames must fit; what waits behind a hundred others is too old to be sent at all.
+    // One period's frames must fit; a frame queued behind a hundred others would be sent too late to be of use.
     constexpr std::uint32_t kMin = 10;
     constexpr std::uint32_t kMax = 1000;
     return judged("CAN transmit queue", link.queue_length >= kMin && link.queue_length <= kMax,

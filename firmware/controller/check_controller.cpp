@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A line on standard error that is drawn over itself, where that is a terminal.
+/// A line on standard error, redrawn in place on a terminal.
 void show_progress(control::Time passed, control::Time expected) {
     constexpr int kWidth = 30;
     const double share = std::min(1.0, std::chrono::duration<double>(passed) / expected);

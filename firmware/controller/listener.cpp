@@ -23,7 +23,7 @@ namespace antiskid::controller {
 
 namespace {
 
-/// The controller's eyes without its hand.
+/// The controller's inputs and checks without its output.
 class Senses {
   public:
     explicit Senses(const control::Config& config)
@@ -125,7 +125,7 @@ std::string frames_name(Role role) {
     return fmt::format("{} frames", can::name(role));
 }
 
-/// How many there should have been.
+/// Expected number of frames.
 double expected(const Reception& reception, const controller::ControllerSetup& setup, const can::Message& message) {
     const auto periods = static_cast<double>(reception.periods + reception.missed_periods);
     return periods * std::chrono::duration<double>(setup.period) / message.period;

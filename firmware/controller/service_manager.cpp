@@ -12,7 +12,7 @@ ServiceManager::ServiceManager(std::function<void(const char*)> send, const host
 ServiceManager ServiceManager::of_this_process() {
     std::uint64_t watchdog_us = 0;
     if (sd_watchdog_enabled(0, &watchdog_us) <= 0) watchdog_us = 0;
-    // What cannot be delivered is not worth an end of the controller: the manager then sees silence, and acts on it.
+    // A failed notification must not end the controller: the service manager then notices the silence and acts.
     return {[](const char* state) { (void)sd_notify(0, state); }, std::chrono::microseconds{watchdog_us}};
 }
 

@@ -48,7 +48,7 @@ std::optional<Wake> SensorPacer::next(const std::atomic<bool>& stop) {
     return std::nullopt;
 }
 
-/// Damaged ones count: they keep the rig's time.
+/// Damaged frames count too: they also show the rig's timing.
 std::uint32_t SensorPacer::arrived() const {
     const can::MessageStats& stats = port_.stats(message_);
     return stats.accepted + stats.rejected();

@@ -15,8 +15,7 @@ SupervisedCan::~SupervisedCan() {
 void SupervisedCan::take_fresh() {
     const can::LinkStatus now = active_->status();
     lost_.store(!now.up && !now.bus_off, std::memory_order_relaxed);
-    // The last one given up must be gone first: its place is the only one, and freeing is not this thread's
-    // work.
+    // Wait until service() has freed the last replaced socket: `retired_` has room for one, and this thread must not free.
     if (fresh_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_relaxed) != nullptr) return;
     before_ = status();
     retired_.store(active_.release(), std::memory_order_release);

@@ -23,7 +23,7 @@ std::string variable(const char* name, std::string value) {
     return std::string(name) + "=" + value;
 }
 
-/// What the child shall not have of the bridge: its real-time priority, blocked signals, standard input.
+/// Resets in the child what it must not inherit from the bridge: real-time priority, blocked signals, standard input.
 class Spawn {
   public:
     Spawn() {

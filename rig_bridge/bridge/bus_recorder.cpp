@@ -89,7 +89,7 @@ void BusRecorder::publish(bool drained) {
     listener_.tell(now_, time(), drained, recording_.get());
 }
 
-/// A socket on an interface that was removed stays dead: a new one, as soon as there is an interface again.
+/// A socket on a removed interface never works again: opens a new one as soon as the interface is back.
 void BusRecorder::keep_capture() {
     if (capture_ && !capture_->status().gone) return;
     if (capture_) {

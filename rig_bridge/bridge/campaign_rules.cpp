@@ -14,7 +14,7 @@ using rig::Abort;
 
 namespace {
 
-/// Made by a person, or by a drive that does not do what it is told: to try again would be to try whether it does it twice.
+/// Due to a person, or to a drive that does not follow its set-point: a retry could repeat the danger.
 bool needs_a_person(const std::string& outcome) {
     constexpr std::array kCauses{Abort::emergency_stop, Abort::guard_open,     Abort::requested,  Abort::foreign_command,
                                  Abort::overspeed,      Abort::speed_mismatch, Abort::two_senders};

@@ -56,8 +56,8 @@ const Moment& Node::step(rig::Sequencer* sequencer, const Wishes& wishes, Time n
     return moment_;
 }
 
-/// A phase and its command go out together: a bridge that is held up before the next step would leave the controller, for as long, with
-/// the command of the phase before, and figures count from the phase.
+/// A phase and its command are sent together: otherwise a delay before the next step would leave the controller with the previous phase's command,
+/// while figures are already counted from the new phase.
 bool Node::command_waits(std::span<const Frame> due) const {
     return moment_.outputs.phase != said_ &&
            std::none_of(due.begin(), due.end(), [this](const Frame& frame) { return frame.id == layout_[Role::maneuver].id; });

@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Whoever never calls command() or alive() makes the client read only.
+/// Without calls of command() or alive() the client only reads.
 modbus::Snapshot look_at_plc(const BridgeSetup& setup) {
     constexpr auto kLong = 1s;      // many polls, and several watchdog times
     constexpr auto kPatience = 3s;  // for the first connection

@@ -40,7 +40,7 @@ double seconds(Time t) {
     return std::chrono::duration<double>(t).count();
 }
 
-/// The campaign that was begun or gone on with last.
+/// The campaign that was last started or resumed.
 record::Campaign newest_campaign(const std::filesystem::path& file) {
     const std::vector<record::Campaign> all = record::read_campaigns(file);
     if (all.empty()) throw UsageError(file.string() + ": has no campaign yet");
@@ -99,7 +99,7 @@ void read_campaign_into(Watched& w, const std::filesystem::path& directory) {
     w.hold = hold ? to_text(*hold) : "";
 }
 
-/// Ears, and eyes on the ledger; sends nothing, writes nothing.
+/// Listens to the bus and reads the ledger; sends and writes nothing.
 class Watch {
   public:
     Watch(const WatchCommand& command, const antiskid::can::Layout& layout, const record::MeterParameters& meter)

@@ -27,7 +27,7 @@ double kinetic_J(const Scenario& scenario) {
     return 0.5 * (wheel.mass_kg * v * v + wheel.inertia_kgm2 * omega * omega);
 }
 
-/// Nothing speaks against its figures, and nobody.
+/// Whether its energy counts as measured: no warning prevents that, and no person has amended it.
 bool sound(const record::LedgerRow& row) {
     return row.counted_J == row.summary.figures.energy_brake_J;
 }

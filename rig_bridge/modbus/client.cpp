@@ -157,7 +157,7 @@ class ModbusClient::Impl {
         if (failure.kind == LinkFailure::Kind::other) ++counters.errors;
     }
 
-    /// Nothing is believed, or written, before the PLC has shown the map's own version.
+    /// Reads and writes nothing else before the PLC has reported the map's version.
     Failed connect() {
         if (auto failed = connection_.open()) {
             const std::lock_guard lock(mutex_);
@@ -272,7 +272,7 @@ class ModbusClient::Impl {
         return std::nullopt;
     }
 
-    /// Only to a PLC that is seen to run with our watchdog moving: it would refuse anything from a dead bridge.
+    /// Only if the PLC runs and has seen our watchdog change: it would refuse commands of a bridge that it takes for dead.
     Failed send_command() {
         std::optional<RegisterImage> image;
         {

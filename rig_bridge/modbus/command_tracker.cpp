@@ -78,7 +78,7 @@ void CommandTracker::sending(const RegisterImage& image) {
     last_ = image;
     static_cast<void>(last_.write(number, 0.0));
     resend_ = false;
-    // A wish that follows on an unanswered one is as old as that one.
+    // A command that replaces an unanswered one counts from the time of that one.
     if (answer_ != CommandState::pending) unanswered_at_ = wished_at_;
     answer_ = CommandState::pending;
     wished_at_ = newest_at_;
@@ -95,7 +95,7 @@ void CommandTracker::expect(std::uint16_t number) {
     if (unanswered_.size() > kMaxUnanswered) unanswered_.pop_front();
 }
 
-/// Ours, and none before it can be answered any more: a PLC looks at the newest. From then on that number would be somebody else's.
+/// This number is ours, and earlier ones can no longer be answered, because a PLC handles only the newest; if they appear later, they are foreign.
 void CommandTracker::answered(std::uint16_t number) {
     const auto found = std::find(unanswered_.begin(), unanswered_.end(), number);
     if (found != unanswered_.end()) unanswered_.erase(unanswered_.begin(), found + 1);

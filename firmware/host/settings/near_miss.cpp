@@ -49,7 +49,7 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
     return edits.back();
 }
 
-/// Units that key names end in, those that are right somewhere and those that people bring along.
+/// Units at the end of key names: those used in our files and others that users may write.
 bool is_unit(std::string_view word) {
     static constexpr std::array<std::string_view, 77> kUnits{
         "s",   "ms",  "us",  "ns",  "min",  "h",    "Hz",    "kHz", "MHz", "m",   "mm",    "cm",     "km",   "um",  "in",  "ft",

@@ -128,7 +128,7 @@ std::variant<std::unique_ptr<File>, HeldBy> PosixStorage::hold(const fs::path& p
     auto held = std::make_unique<PosixFile>(file);
     if (!locks(file)) return read_holder(file);
     const std::string line = who + "\n";
-    // Only for the words of whoever comes second.
+    // Only for the message of a second program.
     static_cast<void>(ftruncate(file, 0) == 0 && pwrite(file, line.data(), line.size(), 0) > 0);
     return held;
 }
