@@ -40,6 +40,8 @@ std::string wrong_with(const Command& c, const Sensors& seen, const Config& conf
         if (c.pressure_request_Pa != 0.0F) return "not braking, pressure asked for";
         if (c.slip_reference != 0.0F) return "not braking, a slip reference in force";
     }
+    const bool searches = c.state == State::braking && seen.maneuver.law == Law::peak_slip;
+    if (!searches && (c.road.peak_slip != 0.0F || c.road.grip_N != 0.0F || c.road.confidence != 0.0F)) return "a road found without a search";
     if (c.slip < -1.0F || c.slip > 1.0F) return "slip out of range";
     if (c.state == State::safe && c.faults.empty()) return "safe without a name";
     return {};
