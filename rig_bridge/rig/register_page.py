@@ -30,17 +30,18 @@ def page(m):
     order = "high word first (ABCD)" if m["word_order"] == "big" else "low word first (CDAB)"
     yield f"""# Registers of the rig's PLC
 
-Generated from `config/registers.toml` by `rig_bridge/rig/register_page.py`; a test compares the two. This is version {m["map_version"]} of the map,
-unit {m["unit_id"]}. What is measured stands in input registers, what is commanded in holding registers. Addresses are those of the protocol and
-count from 0; the old number counts from 1 and leads with the kind of register. Two-register values have the {order};
-float32 is IEEE 754. value = raw x one count, in the unit given. A value beyond its range is saturated by whoever writes it and not
-believed by whoever reads it.
+This is the Modbus register map between the bridge and the PLC: version {m["map_version"]}, unit {m["unit_id"]}. It is generated from
+`config/registers.toml` by `rig_bridge/rig/register_page.py`, and a test compares the two. For another PLC, write your own map in that form.
+
+Measured values are in input registers, commands in holding registers. Addresses are those of the protocol and count from 0; the old number counts
+from 1 and begins with the kind of register. Values of two registers have the {order}; float32 is IEEE 754.
+value = raw x one count, in the unit given. A writer limits a value to its range; a reader rejects a value outside it.
 
 ## Measured: input registers (function code 4)
 """
     yield from rows(m["input"], "3")
     yield """
-Bits of `interlocks`, where set is good:
+Bits of `interlocks`; a set bit is good:
 
 | bit | interlock |
 |---|---|"""
@@ -51,24 +52,24 @@ Bits of `interlocks`, where set is good:
 """
     yield from rows(m["holding"], "4")
     yield f"""
-Whoever commands writes what it wants, in any number of requests, and `commit` last, with a number that is neither 0 nor the one before. Then, and
-only then, all of it takes effect at once; nobody sees half of a command. The PLC shows the number in `applied_commit` or `rejected_commit`.
-`bridge_watchdog` acts at once: when it stands still for {m["watchdog"]["bridge_timeout_ms"]} ms, the PLC trips. When `plc_watchdog` stands still for
+To command, write the registers in any number of requests, and `commit` last, with a number that is neither 0 nor the previous one. All of the command
+then takes effect at once, and nothing before. The PLC shows the number in `applied_commit` or `rejected_commit`. Only `bridge_watchdog` needs no
+commit: when it stands still for {m["watchdog"]["bridge_timeout_ms"]} ms, the PLC trips. When `plc_watchdog` stands still for
 {m["watchdog"]["plc_timeout_ms"]} ms, the bridge aborts.
 
 ## Faults of the virtual PLC: holding registers
 
-A real PLC has none of these. They act at once, without commit.
+A real PLC has none of these registers. They take effect at once, without commit.
 """
     yield from rows(m["virtual"], "4")
     link, serial = m["link"], m["serial"]
     yield f"""
 ## Link
 
-The bridge polls every {link["poll_ms"]} ms, waits {link["connect_timeout_ms"]} ms for a connection and {link["response_timeout_ms"]} ms for an answer.
-After a time-out, an exception or an answer to something else it closes the link and opens it anew after {link["backoff_min_ms"]} ms, twice that, and so
-on up to {link["backoff_max_ms"]} ms. RTU: {serial["baud"]} baud, 8 data bits, parity {serial["parity"]}, {serial["stop_bits"]} stop bit{"s" if serial["stop_bits"] > 1 else ""}; after an
-error the line must first be quiet for {link["response_timeout_ms"]} ms.
+The bridge polls every {link["poll_ms"]} ms, waits {link["connect_timeout_ms"]} ms for a connection and {link["response_timeout_ms"]} ms for an
+answer. After a timeout, an exception or an answer to another request it closes the link and opens it again after {link["backoff_min_ms"]} ms, twice
+that, and so on up to {link["backoff_max_ms"]} ms. RTU: {serial["baud"]} baud, 8 data bits, parity {serial["parity"]}, {serial["stop_bits"]} stop bit{"s" if serial["stop_bits"] > 1 else ""}. After
+an error the line must first be quiet for {link["response_timeout_ms"]} ms.
 
 ## By hand
 
