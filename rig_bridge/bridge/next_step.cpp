@@ -20,7 +20,7 @@ namespace {
 /// In the order of rig::Abort.
 constexpr std::array<NextStep, rig::kAbortCount> kAborts{{
     {"nothing", "nothing"},
-    {"you asked for it", "start again when you are ready"},
+    {"you requested it", "start again when you are ready"},
     {"the emergency stop was pressed, or its circuit opened", "find out who pressed it and why; release it, then start again"},
     {"the guard opened", "find out who opened it; nobody inside, close it, then start again"},
     {"the hydraulic supply is not ready", "pump, oil level, filter, leaks; start again when the supply pressure is steady"},
