@@ -20,7 +20,7 @@ using settings::Json;
 using wear::arena::Scores;
 
 constexpr std::array kForecasters{wear::arena::Entrant::past_lives, wear::arena::Entrant::filter, wear::arena::Entrant::shipped,
-                                  wear::arena::Entrant::oracle};
+                                  wear::arena::Entrant::life_curves, wear::arena::Entrant::law_told, wear::arena::Entrant::oracle};
 constexpr const char* kMadeUp = "lives made up by the laws of plant_sim/wear/rival_laws.hpp";
 
 std::string table_of(const Scores& scores) {

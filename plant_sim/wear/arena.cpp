@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "plant_sim/wear/law_filter.hpp"
 #include "rig_bridge/wear/landings_forecast.hpp"
 #include "rig_bridge/wear/learn_population.hpp"
+#include "rig_bridge/wear/life_curves.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
 namespace wear::arena {
@@ -82,6 +84,7 @@ class LocalLinear {
 /// What entrants learnt of one law's lives.
 struct Trained {
     Population population;
+    LifeCurves curves;
     double log_life = 0.0, log_life_deviation = 0.0;
     double step = 0.0;  // root mean square of the change of friction from one landing to the next
     std::vector<Conditional> by_landing;
@@ -96,6 +99,7 @@ Trained train(const Plan& plan, Law law) {
     learn.fit.starts = 5;
     learn.limit = plan.settings.limit;
     t.population = learn_population(campaigns, learn);
+    t.curves = learn_life_curves(campaigns, plan.settings.limit);
     const auto n = static_cast<double>(campaigns.size());
     double squares = 0.0, steps = 0.0, count = 0.0;
     std::size_t longest = 0;
@@ -186,6 +190,53 @@ Left oracle_left(const Brake& brake, const Plan& plan, std::uint64_t seed) {
     });
 }
 
+/// Landings until the brake has taken the energy of its life.
+Left curves_left(const LifeFilter& filter, const Plan& plan, std::uint64_t seed) {
+    const std::vector<double> lives_J = filter.lives_J(kDraws);
+    return drawn_left([&](std::size_t i) {
+        Generator generator = generator_of(seed, 7000 + i);
+        double taken_J = filter.taken_J();
+        int n = 0;
+        for (; taken_J < lives_J[i] && n < kHorizon; ++n) taken_J += landing_energy_J(plan.settings, generator);
+        return n;
+    });
+}
+
+/// How often and how many landings have come when forecasts are asked: the first landing of each tenth of life.
+bool asked(std::size_t& tenth, std::size_t landed, std::size_t life) {
+    if (tenth >= kTenths || static_cast<double>(landed) < 0.1 * static_cast<double>((tenth + 1) * life)) return false;
+    ++tenth;
+    return true;
+}
+
+/// The entrant that is told the law learns from nobody: once for each judged life.
+Tally judge_told(const Plan& plan, Law law, std::uint64_t seed) {
+    const Life life = live(law, plan.settings, seed);
+    const std::vector<Point>& points = life.campaign.points;
+    LawFilter filter(law, plan.settings, seed);
+    Tally out;
+    std::size_t tenth = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i > 0) {
+            const Expectation e = filter.expected();
+            out.next({{{1.0, e.mean, e.deviation * e.deviation}}}, points[i].mean_friction);
+        }
+        while (asked(tenth, i, points.size())) {
+            const std::vector<Brake> brakes = filter.drawn(kDraws);
+            const Left left = drawn_left([&](std::size_t k) {
+                Brake own = brakes[k];
+                Generator generator = generator_of(seed, 8000 + k);
+                int n = 0;
+                for (; own.condition() >= plan.settings.limit && n < kHorizon; ++n) own.land(landing_energy_J(plan.settings, generator), generator);
+                return n;
+            });
+            out.landings(tenth - 1, left, static_cast<double>(points.size() - i));
+        }
+        filter.learn(points[i]);
+    }
+    return out;
+}
+
 Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
     const Life life = live(law, plan.settings, seed);
     const std::vector<Point>& points = life.campaign.points;
@@ -198,6 +249,7 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
     ask.seed = seed;
     ask.fan_points = 0;
     LocalLinear linear(t.step / std::numbers::sqrt2);
+    LifeFilter curves(t.curves);
     Tallies out;
     const auto of = [&](Entrant e) -> Tally& { return out.at(static_cast<std::size_t>(e)); };
     std::size_t tenth = 0;
@@ -214,24 +266,27 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
             of(Entrant::local_linear).next(linear.next(), x);
             const Expectation e = filter.expected(next_J);
             for (const Entrant k : {Entrant::filter, Entrant::shipped}) of(k).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
+            const Expectation c = curves.expected();
+            of(Entrant::life_curves).next({{{1.0, c.mean, c.deviation * c.deviation}}}, x);
             of(Entrant::oracle).next({{{1.0, life.before[i].expected(), Brake::kFresh * Brake::kFresh}}}, x);
         }
-        while (tenth < kTenths && static_cast<double>(i) >= 0.1 * static_cast<double>((tenth + 1) * points.size())) {
+        for (std::size_t k = tenth; asked(tenth, i, points.size()); k = tenth) {
             const auto truth = static_cast<double>(points.size() - i);
-            of(Entrant::past_lives).landings(tenth, lognormal_left(t, static_cast<double>(i)), truth);
+            of(Entrant::past_lives).landings(k, lognormal_left(t, static_cast<double>(i)), truth);
             of(Entrant::local_linear)
-                .landings(tenth, drawn_left([&](std::size_t n) {
+                .landings(k, drawn_left([&](std::size_t n) {
                               Generator generator = generator_of(seed, 5000 + n);
                               return linear.landings_left(plan.settings.limit, generator);
                           }),
                           truth);
-            of(Entrant::filter).landings(tenth, left_of(forecast(filter, points[i - 1].c_e_J, plan.settings.mix, ask)), truth);
-            of(Entrant::shipped).landings(tenth, left_of(shipped.forecast(plan.settings.mix, ask)), truth);
-            of(Entrant::oracle).landings(tenth, oracle_left(life.before[i], plan, seed), truth);
-            ++tenth;
+            of(Entrant::filter).landings(k, left_of(forecast(filter, points[i - 1].c_e_J, plan.settings.mix, ask)), truth);
+            of(Entrant::shipped).landings(k, left_of(shipped.forecast(plan.settings.mix, ask)), truth);
+            of(Entrant::life_curves).landings(k, curves_left(curves, plan, seed), truth);
+            of(Entrant::oracle).landings(k, oracle_left(life.before[i], plan, seed), truth);
         }
         linear.learn(x);
         shipped.learn(points[i]);
+        curves.learn(points[i]);
     }
     return out;
 }
@@ -283,10 +338,15 @@ Result run(const Plan& plan) {
     const std::size_t laws = plan.laws.size();
     std::vector<Trained> trained(laws);
     run_jobs(plan.threads, laws, [&](std::size_t i) { trained[i] = train(plan, plan.laws[i]); });
+    std::vector<Tally> told(laws * plan.judged_lives);
+    run_jobs(plan.threads, told.size(), [&](std::size_t job) {
+        told[job] = judge_told(plan, plan.laws[job / plan.judged_lives], plan.judged_seed + job % plan.judged_lives);
+    });
     std::vector<Tallies> tallies(laws * laws * plan.judged_lives);
     run_jobs(plan.threads, tallies.size(), [&](std::size_t job) {
         const std::size_t pair = job / plan.judged_lives;
         tallies[job] = judge(plan, trained[pair / laws], plan.laws[pair % laws], plan.judged_seed + job % plan.judged_lives);
+        tallies[job].at(static_cast<std::size_t>(Entrant::law_told)) = told[pair % laws * plan.judged_lives + job % plan.judged_lives];
     });
     std::vector<const Tallies*> within, across;
     std::vector<std::vector<const Tallies*>> by_law(2 * laws);

@@ -17,9 +17,12 @@ enum class Entrant : std::uint8_t {
     local_linear,  ///< Kalman smoother of level and slope in this life alone
     filter,        ///< the filter and its forecast, learnt from the training lives
     shipped,       ///< likewise, with past lives and calibration: what `rig-lab wear forecast` says
+    life_curves,   ///< the Gaussian process over the share of life, learnt from the training lives (life_curves.hpp)
+    law_told,      ///< told the law, but not the brake: what can be known of its state from its own friction and energies (law_filter.hpp)
     oracle,        ///< told the law and the brake's own state; knows neither scatter nor landings to come
 };
-constexpr std::array<const char*, 8> kEntrantNames{"persistence", "past_lives", "nearest", "mixture", "local_linear", "filter", "shipped", "oracle"};
+constexpr std::array<const char*, 10> kEntrantNames{"persistence", "past_lives", "nearest",     "mixture",  "local_linear",
+                                                    "filter",      "shipped",    "life_curves", "law_told", "oracle"};
 
 constexpr std::size_t kTenths = 9;  ///< asked at 10 to 90 % of life
 

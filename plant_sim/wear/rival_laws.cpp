@@ -60,6 +60,14 @@ Brake::Brake(Law law, const Settings& settings, std::uint64_t seed) : law_(law),
     level_ = 0.006 * (settings.correlation * z + std::sqrt(1.0 - settings.correlation * settings.correlation) * own);
 }
 
+Brake Brake::with(double life_J, double level) const {
+    Brake out = *this;
+    out.worn_ *= life_J_ / life_J;
+    out.life_J_ = life_J;
+    out.level_ = level;
+    return out;
+}
+
 double Brake::condition() const {
     double friction = 0.0;
     switch (law_) {

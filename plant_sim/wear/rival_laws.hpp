@@ -46,6 +46,10 @@ class Brake {
     [[nodiscard]] double expected() const;
     /// Friction at mean heat and glaze, not misread: what decides that the brake is worn out.
     [[nodiscard]] double condition() const;
+    [[nodiscard]] double life_J() const { return life_J_; }
+    [[nodiscard]] double level() const { return level_; }
+    /// The same brake with another life and level: it has taken the same energy and is worn accordingly.
+    [[nodiscard]] Brake with(double life_J, double level) const;
     /// Standard deviation of what is new in each reading.
     static constexpr double kFresh = 0.003;
 
