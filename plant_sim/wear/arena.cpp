@@ -8,7 +8,7 @@
 #include "plant_sim/wear/law_filter.hpp"
 #include "rig_bridge/wear/landings_forecast.hpp"
 #include "rig_bridge/wear/learn_population.hpp"
-#include "rig_bridge/wear/life_curves.hpp"
+#include "rig_bridge/wear/life_filter.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
 namespace wear::arena {
@@ -84,7 +84,6 @@ class LocalLinear {
 /// What entrants learnt of one law's lives.
 struct Trained {
     Population population;
-    LifeCurves curves;
     double log_life = 0.0, log_life_deviation = 0.0;
     double step = 0.0;  // root mean square of the change of friction from one landing to the next
     std::vector<Conditional> by_landing;
@@ -99,7 +98,6 @@ Trained train(const Plan& plan, Law law) {
     learn.fit.starts = 5;
     learn.limit = plan.settings.limit;
     t.population = learn_population(campaigns, learn);
-    t.curves = learn_life_curves(campaigns, plan.settings.limit);
     const auto n = static_cast<double>(campaigns.size());
     double squares = 0.0, steps = 0.0, count = 0.0;
     std::size_t longest = 0;
@@ -249,7 +247,7 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
     ask.seed = seed;
     ask.fan_points = 0;
     LocalLinear linear(t.step / std::numbers::sqrt2);
-    LifeFilter curves(t.curves);
+    LifeFilter curves(t.population.curves);
     Tallies out;
     const auto of = [&](Entrant e) -> Tally& { return out.at(static_cast<std::size_t>(e)); };
     std::size_t tenth = 0;
@@ -265,7 +263,8 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
             of(Entrant::mixture).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::mixture}), x);
             of(Entrant::local_linear).next(linear.next(), x);
             const Expectation e = filter.expected(next_J);
-            for (const Entrant k : {Entrant::filter, Entrant::shipped}) of(k).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
+            of(Entrant::filter).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
+            of(Entrant::shipped).next(shipped.next(), x);
             const Expectation c = curves.expected();
             of(Entrant::life_curves).next({{{1.0, c.mean, c.deviation * c.deviation}}}, x);
             of(Entrant::oracle).next({{{1.0, life.before[i].expected(), Brake::kFresh * Brake::kFresh}}}, x);

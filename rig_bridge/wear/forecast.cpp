@@ -119,6 +119,15 @@ LandingMix mix_of(const Campaign& campaign, std::size_t count) {
     return {{"as recorded", 1.0, mean, std::sqrt(std::max(0.0, squares / used - mean * mean))}};
 }
 
+double landings_until(double end_J, double c_e_J, const LandingMix& mix, int horizon, Generator& generator) {
+    int n = 0;
+    for (; c_e_J < end_J; ++n) {
+        if (n == horizon) return std::numeric_limits<double>::infinity();
+        c_e_J += landing_energy_J(mix, generator);
+    }
+    return n;
+}
+
 void take_quantiles(Forecast& f) {
     for (std::size_t q = 0; q < kShares.size(); ++q) {
         const double left = quantile(f.landings, kShares[q]);

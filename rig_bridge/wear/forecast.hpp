@@ -63,6 +63,9 @@ struct Forecast {
     [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< whether a crossing within the horizon is less likely than not
 };
 
+/// Landings of the mix until `end_J` is taken, from `c_e_J`; infinite: more than `horizon`.
+[[nodiscard]] double landings_until(double end_J, double c_e_J, const LandingMix& mix, int horizon, Generator& generator);
+
 /// Sets the quantiles of `f` to those of its draws.
 void take_quantiles(Forecast& f);
 

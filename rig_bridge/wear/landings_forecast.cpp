@@ -1,8 +1,8 @@
 #include "rig_bridge/wear/landings_forecast.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -10,75 +10,74 @@ namespace wear {
 
 namespace {
 
-constexpr double kLifeAhead = 0.05;  // of a life
-constexpr double kKept = 0.985;      // of the misfit, from one maneuver to the next
-constexpr double kMaxSquare = 25.0;
-
-double median_end_J(const Population& population) {
-    std::vector<double> ends_J;
-    ends_J.reserve(population.members.size());
-    for (const MeanCurve& curve : population.members) ends_J.push_back(curve.last_J());
-    const auto middle = ends_J.begin() + static_cast<std::ptrdiff_t>(ends_J.size() / 2);
-    std::nth_element(ends_J.begin(), middle, ends_J.end());
-    return *middle;
-}
+constexpr double kChange = 0.02;  // of going over to other behaviour and back, with each maneuver [A]
+// Kinds of brakes differ in their mean lives as much as the brakes of one kind do [A]: twice the variance.
+constexpr double kOtherKind = std::numbers::sqrt2;
 
 }  // namespace
 
-LandingsForecast::LandingsForecast(const Population& population)
-    : population_(&population), filter_(population), reach_J_(kLifeAhead * median_end_J(population)) {}
-
-LandingsForecast::Expected LandingsForecast::expected_at(double c_e_J) const {
-    double mean = 0.0;
-    double squares = 0.0;
-    for (const BrakeFilter::Hypothesis& h : filter_.hypotheses()) {
-        const double m = filter_.mean_friction(h, c_e_J);
-        mean += h.weight * m;
-        squares += h.weight * m * m;
-    }
-    const Scatter& s = population_->scatter;
-    const double variance = std::max(0.0, squares - mean * mean) + filter_.offset_variance() +
-                            s.drift_per_root_MJ * s.drift_per_root_MJ * (c_e_J - c_e_J_) * 1e-6 + s.remembered * s.remembered + s.fresh * s.fresh;
-    return {c_e_J, mean, variance};
+LandingsForecast::LandingsForecast(const Population& population) : population_(&population), filter_(population) {
+    if (population.curves.lives > 0) life_.emplace(population.curves);
 }
 
 void LandingsForecast::learn(const Point& point) {
-    for (; !waiting_.empty() && waiting_.front().at_J <= point.c_e_J; waiting_.pop_front()) {
-        const double off = point.mean_friction - waiting_.front().mean;
-        misfit_ = kKept * misfit_ + (1.0 - kKept) * std::min(kMaxSquare, off * off / waiting_.front().variance);
-    }
     filter_.learn(point);
     c_e_J_ = point.c_e_J;
-    waiting_.push_back(expected_at(c_e_J_ + reach_J_));
+    if (!life_) return;
+    const LifeCurves& c = population_->curves;
+    const double noise2 = c.noise * c.noise;
+    alike_ += kChange * (kAlike - alike_);
+    if (begun_) {
+        const double variance = level_variance_ + noise2, off = point.mean_friction - level_;
+        const double otherwise = std::exp(-0.5 * off * off / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
+        constexpr double kMin = 1e-3;  // both may be far off, and neither is right then
+        const double of_kind = std::exp(life_->log_density(point.mean_friction));
+        alike_ = alike_ * (of_kind + kMin) / (alike_ * (of_kind + kMin) + (1.0 - alike_) * (otherwise + kMin));
+        level_ += level_variance_ / variance * off;
+        level_variance_ *= noise2 / variance;
+    } else {
+        level_ = point.mean_friction;
+        level_variance_ = noise2;
+        begun_ = true;
+    }
+    level_variance_ += c.walk * c.walk;
+    life_->learn(point);
 }
 
-double LandingsForecast::alike() const {
-    const ForecastCalibration& c = population_->calibration;
-    if (c.misfit_deviation <= 0.0) return 1.0;
-    constexpr double kPrior = 0.8;
-    constexpr double kOtherwise = 0.25;  // density of the logarithm for other brakes: up to 50 times the mean
-    const boost::math::students_t t(std::max(2.0, static_cast<double>(population_->members.size()) - 1.0));
-    const double off = std::max(0.0, (std::log(misfit_) - c.log_misfit) / c.misfit_deviation);
-    const double of_kind = kPrior * pdf(t, off) / c.misfit_deviation;
-    return of_kind / (of_kind + (1.0 - kPrior) * kOtherwise);
+Conditional LandingsForecast::next() const {
+    if (!life_) {
+        const Expectation e = filter_.expected(c_e_J_);
+        return {{{1.0, e.mean, e.deviation * e.deviation}}};
+    }
+    const Expectation e = life_->expected();
+    const double noise = population_->curves.noise, alike = alike_ + kChange * (kAlike - alike_);
+    return {{{alike, e.mean, e.deviation * e.deviation}, {1.0 - alike, level_, level_variance_ + noise * noise}}};
 }
 
 Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSettings& settings) const {
     Forecast out = wear::forecast(filter_, c_e_J_, mix, settings);
-    const PastLives past(*population_, settings.limit);
-    if (!past.known()) return out;
-    out.alike = alike();
-    double landing_J = 0.0;
-    for (const LandingKind& kind : mix) landing_J += kind.share * kind.energy_J;
-    std::vector<double> lives_J = past_lives_J(past, c_e_J_, out.energies_J.size());
-    std::vector<double> lives = lives_J;
-    for (double& n : lives) n = std::ceil((n - c_e_J_) / landing_J);
-    const double share = share_of_life(c_e_J_, out.energies_J, lives_J);
-    const Correction correction{ForecastCalibration::at(population_->calibration.filter, share), out.alike,
-                                ForecastCalibration::at(population_->calibration.widening, share)};
-    out.energies_J = corrected(std::move(out.energies_J), std::move(lives_J), c_e_J_, correction);
-    out.landings = corrected(std::move(out.landings), std::move(lives), 0.0, correction);
-    for (double& n : out.landings) n = std::round(n);
+    if (!life_) return out;
+    const auto count = static_cast<std::size_t>(settings.draws);
+    std::vector<double> ends_J = life_->ends_J(settings.limit, count, settings.seed);
+    if (const PastLives past(*population_, settings.limit, kOtherKind); past.known()) {
+        out.alike = alike_;
+        ends_J = pooled(ends_J, past_lives_J(past, c_e_J_, count), alike_);
+    }
+    double crossed = 0.0, ever = 0.0;
+    out.landings.clear();
+    out.energies_J.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+        Generator generator = generator_of(settings.seed, i);
+        const double landings = landings_until(ends_J[i], c_e_J_, mix, settings.horizon, generator);
+        out.landings.push_back(landings);
+        out.energies_J.push_back(std::isfinite(landings) ? std::max(c_e_J_, ends_J[i]) : landings);
+        crossed += landings <= 0.0 ? 1.0 : 0.0;
+        ever += std::isfinite(landings) ? 1.0 : 0.0;
+    }
+    std::sort(out.landings.begin(), out.landings.end());
+    std::sort(out.energies_J.begin(), out.energies_J.end());
+    out.crossed_now = crossed / settings.draws;
+    out.crossed_ever = ever / settings.draws;
     take_quantiles(out);
     return out;
 }
@@ -89,33 +88,21 @@ std::vector<double> past_lives_J(const PastLives& past, double c_e_J, std::size_
     return out;
 }
 
-double share_of_life(double c_e_J, const std::vector<double>& filter_J, const std::vector<double>& lives_J) {
-    const std::size_t middle = lives_J.size() / 2;
-    return c_e_J / (0.5 * (std::min(filter_J[middle], lives_J.back()) + lives_J[middle]));
-}
-
-std::vector<double> corrected(std::vector<double> filter, std::vector<double> lives, double now, const Correction& c) {
-    const std::size_t n = filter.size();
-    // What no brake is likely to have lasted, this one does not last either: a filter that goes astray goes far.
-    for (double& x : filter) x = std::clamp(x, lives.front(), lives.back());
-    for (std::size_t i = 0; i < n; ++i) filter[i] = c.filter * filter[i] + (1.0 - c.filter) * lives[i];
+std::vector<double> pooled(const std::vector<double>& first, const std::vector<double>& second, double share) {
     std::vector<std::pair<double, double>> pool;
-    pool.reserve(2 * n);
-    for (const double x : filter) pool.emplace_back(x, c.alike);
-    for (const double x : lives) pool.emplace_back(x, 1.0 - c.alike);
+    pool.reserve(first.size() + second.size());
+    for (const double x : first) pool.emplace_back(x, share);
+    for (const double x : second) pool.emplace_back(x, 1.0 - share);
     std::sort(pool.begin(), pool.end());
+    std::vector<double> out;
+    out.reserve(first.size());
     double below = 0.0;
-    std::size_t i = 0;
     for (const auto& [x, weight] : pool) {
         below += weight;
-        for (; i < n && static_cast<double>(i) + 0.5 <= below; ++i) filter[i] = x;
+        while (out.size() < first.size() && static_cast<double>(out.size()) + 0.5 <= below) out.push_back(x);
     }
-    for (; i < n; ++i) filter[i] = pool.back().first;
-    // Of brakes that are none of its kind nothing is known to correct.
-    const double factor = 1.0 + c.alike * (c.widening - 1.0);
-    const double median = filter[n / 2];
-    for (double& x : filter) x = std::max(now, median + factor * (x - median));
-    return filter;
+    out.resize(first.size(), pool.back().first);
+    return out;
 }
 
 }  // namespace wear

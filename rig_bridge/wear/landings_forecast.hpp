@@ -1,25 +1,26 @@
-/// Forecast of the landings left for a brake in use: a mixture of the filter's forecast, to the extent that the brake behaves like its population,
-/// and of past lives otherwise. The width of the interval is calibrated on brakes left out of the learning.
+/// Forecast of the landings left for a brake in use, and of its next friction: by the life filter, to the extent that the brake behaves like those
+/// that were learnt from; otherwise by past lives, and by friction as a level that walks.
 ///
 ///     LandingsForecast brake(population);
 ///     for (each maneuver) brake.learn(point);
 ///     const Forecast f = brake.forecast(mix, settings);
 ///
-/// To judge whether it behaves like them, the filter's forecasts of friction are compared with later measurements. For a brake of the population, the
-/// exponentially weighted mean square error has the distribution found on the left-out brakes; for other brakes it may be any larger value.
+/// Whether it behaves like them is judged by which of the two foretells each next friction: two hypotheses between which a brake may change at every
+/// maneuver, weighed by Bayes' rule.
 #pragma once
 
-#include <deque>
-#include <vector>
+#include <optional>
 
+#include "rig_bridge/wear/conditional.hpp"
 #include "rig_bridge/wear/forecast.hpp"
+#include "rig_bridge/wear/life_filter.hpp"
 #include "rig_bridge/wear/past_lives.hpp"
 
 namespace wear {
 
 class LandingsForecast {
   public:
-    /// `population` must outlive this.
+    /// `population` must outlive this. Where it has no life curves (it comes from one brake), forecasts are the brake filter's.
     explicit LandingsForecast(const Population& population);
     explicit LandingsForecast(Population&&) = delete;
 
@@ -27,36 +28,28 @@ class LandingsForecast {
     void learn(const Point& point);
     /// Call after at least one point.
     [[nodiscard]] Forecast forecast(const LandingMix& mix, const ForecastSettings& settings) const;
+    /// Friction of the next maneuver. Likewise.
+    [[nodiscard]] Conditional next() const;
 
     [[nodiscard]] const BrakeFilter& filter() const { return filter_; }
-    /// Exponentially weighted mean square of the filter's standardised errors: about 1 for brakes of the population.
-    [[nodiscard]] double misfit() const { return misfit_; }
-    /// Probability that the brake is of the population's kind.
-    [[nodiscard]] double alike() const;
+    /// Probability that the brake behaves like those of the population.
+    [[nodiscard]] double alike() const { return alike_; }
 
   private:
-    struct Expected {
-        double at_J, mean, variance;
-    };
-    [[nodiscard]] Expected expected_at(double c_e_J) const;
+    static constexpr double kAlike = 0.8;  // before any maneuver [A]
 
     const Population* population_;
     BrakeFilter filter_;
-    std::deque<Expected> waiting_;  // forecasts not yet compared
-    double reach_J_;                // how far ahead
+    std::optional<LifeFilter> life_;
+    double level_ = 0.0, level_variance_ = 0.0;  // of friction as a level that walks, before the next maneuver
+    bool begun_ = false;
+    double alike_ = kAlike;
     double c_e_J_ = 0.0;
-    double misfit_ = 1.0;
 };
 
 /// `count` equally probable lives, rising, of a brake that is not worn out at `c_e_J`.
 [[nodiscard]] std::vector<double> past_lives_J(const PastLives& past, double c_e_J, std::size_t count);
-/// Share of the life that is over at `c_e_J`: half by the filter's draws and half by past lives.
-[[nodiscard]] double share_of_life(double c_e_J, const std::vector<double>& filter_J, const std::vector<double>& lives_J);
-
-struct Correction {
-    double filter, alike, widening;
-};
-/// Combines the filter's draws and as many past lives, both ascending, into one distribution; no value is below `now`.
-[[nodiscard]] std::vector<double> corrected(std::vector<double> filter, std::vector<double> lives, double now, const Correction& correction);
+/// As many values as in each of two distributions, both rising, of their mixture: `first` with the weight `share`.
+[[nodiscard]] std::vector<double> pooled(const std::vector<double>& first, const std::vector<double>& second, double share);
 
 }  // namespace wear

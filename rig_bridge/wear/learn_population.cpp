@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
-#include <utility>
 
 #include "rig_bridge/wear/brake_filter.hpp"
+#include "rig_bridge/wear/forecast.hpp"
 #include "rig_bridge/wear/health.hpp"
 #include "rig_bridge/wear/health_limits.hpp"
-#include "rig_bridge/wear/landings_forecast.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 #include "rig_bridge/wear/past_lives.hpp"
 
@@ -55,7 +54,6 @@ Population without(const Population& all, std::size_t k) {
     Population others;
     others.scatter = all.scatter;
     others.spread = all.spread;
-    others.calibration = all.calibration;
     others.steady = all.steady;
     others.members = all.members;
     others.members.erase(others.members.begin() + static_cast<std::ptrdiff_t>(k));
@@ -89,29 +87,9 @@ std::vector<double> limits_of(const std::vector<MeanCurve>& curves) {
     return {end + 0.2 * room, end + 0.5 * room, end + 0.8 * room};
 }
 
-/// A forecast for a brake that was left out, at a tenth of its way to the limit.
-struct Asked {
-    double now_J = 0.0;
-    double truth_J = 0.0;
-    double log_misfit = 0.0;
-    double alike = 1.0;
-    std::vector<double> filter_J;
-    std::vector<double> lives_J;
-
-    [[nodiscard]] double share() const { return share_of_life(now_J, filter_J, lives_J); }
-    [[nodiscard]] double loss(const Correction& c) const { return crps(corrected(filter_J, lives_J, now_J, c), truth_J) / truth_J; }
-    /// Distance of the truth from the median, over that of the interval's end on its side.
-    [[nodiscard]] double stretch(const Correction& c) const {
-        const std::vector<double> all = corrected(filter_J, lives_J, now_J, c);
-        const std::size_t n = all.size();
-        const double median = all[n / 2];
-        const double room = truth_J > median ? all[n - n / 10 - 1] - median : median - all[n / 10];
-        return std::abs(truth_J - median) / std::max(room, 1e-3 * truth_J);
-    }
-};
-
-/// Each brake given the curves of the others. A life ends where the brake's own curve is below the limit.
-std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all, unsigned threads) {
+/// Each brake given the curves of the others: what the filter's forecasts of the end lose, at each tenth of the way to it. A life ends where the
+/// brake's own curve is below the limit.
+double left_out_ends(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all, unsigned threads) {
     double longest_J = 0.0;
     for (const MeanCurve& c : all.members) longest_J = std::max(longest_J, c.last_J());
     // Energy counts here, not landings: fewer and larger ones than in any use cost nothing but resolution.
@@ -120,106 +98,43 @@ std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const st
     settings.horizon = 400;
     settings.draws = 100;
     settings.fan_points = 0;
-    std::vector<std::vector<Asked>> by_brake(campaigns.size());
+    std::vector<double> loss(campaigns.size());
     run_jobs(threads, campaigns.size(), [&](std::size_t k) {
         const Population others = without(all, k);
         for (const double limit : limits) {
             ForecastSettings ask = settings;
             ask.limit = limit;
             const double truth_J = crossing_J(all.members[k], limit, longest_J / 4000.0, all.members[k].last_J());
-            const PastLives past(others, limit);
-            LandingsForecast brake(others);
+            BrakeFilter filter(others);
             int tenths = 1;
             for (const Point& p : campaigns[k].points) {
-                brake.learn(p);
+                filter.learn(p);
                 if (p.c_e_J < 0.1 * tenths * truth_J) continue;
-                Forecast f = forecast(brake.filter(), p.c_e_J, mix, ask);
-                by_brake[k].push_back({p.c_e_J, truth_J, std::log(brake.misfit()), brake.alike(), std::move(f.energies_J),
-                                       past_lives_J(past, p.c_e_J, static_cast<std::size_t>(settings.draws))});
+                Forecast f = forecast(filter, p.c_e_J, mix, ask);
+                for (double& end_J : f.energies_J) end_J = std::min(end_J, p.c_e_J + 2.0 * longest_J);
+                loss[k] += crps(f.energies_J, truth_J) / truth_J;
                 if (++tenths > 9) break;
             }
         }
     });
-    std::vector<Asked> out;
-    for (std::vector<Asked>& brake : by_brake) std::move(brake.begin(), brake.end(), std::back_inserter(out));
-    return out;
+    return std::accumulate(loss.begin(), loss.end(), 0.0);
 }
 
-/// How near a forecast is to a tenth of life.
-double nearness(const Asked& asked, std::size_t tenth) {
-    constexpr double kBand = 0.1;
-    const double off = (asked.share() - 0.1 * static_cast<double>(tenth + 1)) / kBand;
-    return std::exp(-0.5 * off * off);
-}
-
-/// The filter's weight with which forecasts lose least at each tenth of life; returns what they lose.
-double choose_filter_weight(const std::vector<Asked>& asked, ForecastCalibration::Tenths& weights) {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < weights.size(); ++k) {
-        double least = std::numeric_limits<double>::infinity();
-        for (const double weight : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
-            double loss = 0.0;
-            double all = 0.0;
-            for (const Asked& a : asked) {
-                const double near = nearness(a, k);
-                loss += near * a.loss({weight, a.alike, 1.0});
-                all += near;
-            }
-            if (loss / all >= least) continue;
-            least = loss / all;
-            weights.at(k) = weight;
-        }
-        sum += least;
-    }
-    return sum;
-}
-
-/// The value that a share of the weights does not exceed.
-double weighted_quantile(std::vector<std::pair<double, double>> weighed, double share) {
-    std::sort(weighed.begin(), weighed.end());
-    double all = 0.0;
-    for (const auto& [value, weight] : weighed) all += weight;
-    double below = 0.0;
-    for (const auto& [value, weight] : weighed)
-        if ((below += weight) >= share * all) return value;
-    return weighed.back().first;
-}
-
-/// Spread of the energy scale and fading of evidence by what forecasts lose, then what those say about brakes that were left out.
-void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population, unsigned threads) {
+/// Spread of the energy scale and fading of evidence by what forecasts lose.
+void choose_spread(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population, unsigned threads) {
     Spread best = population.spread;
     double least = std::numeric_limits<double>::infinity();
     for (const double log_energy_scale : {0.02, 0.06, 0.15}) {
         for (const double kept : {0.95, 0.98, 0.995}) {
             population.spread.log_energy_scale = log_energy_scale;
             population.spread.evidence_kept = kept;
-            ForecastCalibration::Tenths weights{};
-            const double loss = choose_filter_weight(ask_left_out(campaigns, limits, population, threads), weights);
+            const double loss = left_out_ends(campaigns, limits, population, threads);
             if (loss >= least) continue;
             least = loss;
             best = population.spread;
         }
     }
     population.spread = best;
-    ForecastCalibration& out = population.calibration;
-    std::vector<Asked> asked = ask_left_out(campaigns, limits, population, threads);
-    const auto n = static_cast<double>(asked.size());
-    for (const Asked& a : asked) out.log_misfit += a.log_misfit / n;
-    double squares = 0.0;
-    for (const Asked& a : asked) squares += std::pow(a.log_misfit - out.log_misfit, 2) / n;
-    out.misfit_deviation = std::sqrt(squares);
-    // Again: how alike a brake is depends on the misfit that is known now.
-    asked = ask_left_out(campaigns, limits, population, threads);
-    (void)choose_filter_weight(asked, out.filter);
-    for (std::size_t k = 0; k < out.widening.size(); ++k) {
-        constexpr double kMaxWidening = 5.0;
-        std::vector<std::pair<double, double>> near;
-        near.reserve(asked.size());
-        for (const Asked& a : asked) near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), nearness(a, k));
-        // No brake more is counted, as split conformal prediction does: those left out had one life less to learn from than the next one has.
-        // Never narrower: that brakes left out lay nearer than foretold may be chance.
-        out.widening.at(k) = std::clamp(weighted_quantile(std::move(near), 0.8), 1.0, kMaxWidening);
-    }
 }
 
 /// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
@@ -298,7 +213,8 @@ Population learn_population(const std::vector<Campaign>& campaigns, const LearnS
         if (progress) progress(++done, steps);
     }
     const std::vector<double> limits = settings.limit ? std::vector{*settings.limit} : limits_of(out.members);
-    calibrate_forecast(campaigns, limits, out, settings.threads);
+    choose_spread(campaigns, limits, out, settings.threads);
+    out.curves = learn_life_curves(campaigns, settings.limit.value_or(0.0), settings.threads);
     out.steady = steady_stage(out.members);
     out.limits = health_limits(campaigns, settings.healthy, out, settings.threads);
     if (progress) progress(++done, steps);

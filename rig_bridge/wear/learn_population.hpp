@@ -21,8 +21,8 @@ struct LearnSettings {
 
 /// Fits a mixture to each campaign; takes memory and size of the scatter from the residuals about the fitted curves; then, each
 /// brake given the curves of the others (leave one out): chooses drift and offset so that the maneuvers are as likely as can be, spread of
-/// the energy scale and fading of evidence so that forecasts of landings left lose least, and their calibration so that the 80 % interval holds 80 %
-/// of the lives; and health limits, see health_limits.hpp.
+/// the energy scale and fading of evidence so that the filter's forecasts lose least; curves over the share of life (life_curves.hpp); and health
+/// limits, see health_limits.hpp.
 /// At least 3 campaigns, else std::invalid_argument; settings::Error where a campaign is refused.
 [[nodiscard]] Population learn_population(const std::vector<Campaign>& campaigns, const LearnSettings& settings,
                                           const std::function<void(std::size_t done, std::size_t all)>& progress = {});

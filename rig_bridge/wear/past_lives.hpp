@@ -11,7 +11,8 @@ namespace wear {
 /// The logarithm of the life of one more brake is distributed as Student's t about the mean of the others.
 class PastLives {
   public:
-    PastLives(const Population& population, double limit);
+    /// `unlike`: factor on the deviation, for a brake of another kind.
+    PastLives(const Population& population, double limit, double unlike = 1.0);
 
     /// Whether at least half of the members, and at least two, fell below the limit.
     [[nodiscard]] bool known() const { return known_; }

@@ -99,12 +99,6 @@ SteadyStage steady_stage(const std::vector<MeanCurve>& curves) {
     return out;
 }
 
-double ForecastCalibration::at(const Tenths& tenths, double share_of_life) {
-    const double place = std::clamp(10.0 * share_of_life - 1.0, 0.0, static_cast<double>(tenths.size() - 1));
-    const auto i = std::min(static_cast<std::size_t>(place), tenths.size() - 2);
-    return tenths.at(i) + (tenths.at(i + 1) - tenths.at(i)) * (place - static_cast<double>(i));
-}
-
 MeanCurve::MeanCurve(const Model& model)
     : first_J_(model.data.first_c_e_J), last_J_(model.data.last_c_e_J), step_J_((last_J_ - first_J_) / static_cast<double>(kSteps)) {
     const auto mean = [&model](double c_e_J) { return friction_given_energy(model, c_e_J, kMean).mean(); };

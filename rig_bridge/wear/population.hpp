@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "rig_bridge/wear/life_curves.hpp"
 #include "rig_bridge/wear/model.hpp"
 
 namespace wear {
@@ -73,17 +74,6 @@ struct SteadyStage {
 /// The range in which every curve's slope is at most a few times its own median slope.
 [[nodiscard]] SteadyStage steady_stage(const std::vector<MeanCurve>& curves);
 
-/// Calibration of forecasts of landings left, from brakes left out of the learning (landings_forecast.hpp).
-struct ForecastCalibration {
-    double log_misfit = 0.0;                                       ///< mean of the logarithm of LandingsForecast::misfit()
-    double misfit_deviation = 0.0;                                 ///< its standard deviation; 0: not known
-    using Tenths = std::array<double, 9>;                          ///< at 10 to 90 % of life; between them a straight line
-    Tenths filter{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};    ///< weight of the filter's quantiles beside those of past lives
-    Tenths widening{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  ///< factor of the distance from the median, for 80 % of lives in the interval
-    bool operator==(const ForecastCalibration&) const = default;
-    [[nodiscard]] static double at(const Tenths& tenths, double share_of_life);
-};
-
 struct Population {
     std::string source;  ///< for people
     Provenance provenance;
@@ -92,11 +82,11 @@ struct Population {
     Spread spread;
     HealthLimits limits;
     SteadyStage steady;
-    ForecastCalibration calibration;
+    LifeCurves curves;               ///< forecasts of landings left go by these; not known for a population from a single brake
     std::vector<MeanCurve> members;  ///< the models' curves
     bool operator==(const Population& other) const {
         return source == other.source && provenance == other.provenance && models == other.models && scatter == other.scatter &&
-               spread == other.spread && limits == other.limits && steady == other.steady && calibration == other.calibration;
+               spread == other.spread && limits == other.limits && steady == other.steady && curves == other.curves;
     }
 };
 

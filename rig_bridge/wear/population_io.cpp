@@ -47,24 +47,56 @@ Spread spread_of(Reader r, const std::string& file) {
     return s;
 }
 
-ForecastCalibration::Tenths tenths_of(const Json& list, const std::string& file, const char* key) {
-    ForecastCalibration::Tenths out{};
-    if (!list.is_array() || list.size() != out.size()) throw Error(file, 0, key, fmt::format("must be an array of {} numbers", out.size()));
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        if (!list[i].is_number() || !(list[i].get<double>() >= 0.0)) throw Error(file, 0, key, "must be numbers, not negative");
+template <std::size_t Count>
+std::array<double, Count> numbers_of(const Json& list, const std::string& file, const std::string& key) {
+    std::array<double, Count> out{};
+    if (!list.is_array() || list.size() != Count) throw Error(file, 0, key, fmt::format("must be an array of {} numbers", Count));
+    for (std::size_t i = 0; i < Count; ++i) {
+        if (!list[i].is_number()) throw Error(file, 0, key, "must be numbers");
         out.at(i) = list[i].get<double>();
     }
     return out;
 }
 
-ForecastCalibration calibration_of(Reader r, const std::string& file) {
-    ForecastCalibration c;
-    c.log_misfit = r.number("log_misfit");
-    c.misfit_deviation = not_negative(r, file, "misfit_deviation");
-    c.filter = tenths_of(r.get("filter"), file, "calibration.filter");
-    c.widening = tenths_of(r.get("widening"), file, "calibration.widening");
+LifeCurves curves_of(Reader r, const std::string& file) {
+    LifeCurves c;
+    c.lives = r.count("lives", 3);
+    c.limit = not_negative(r, file, "limit");
+    c.landing_J = r.positive("landing_J");
+    c.log_life = r.number("log_life");
+    c.log_life_deviation = r.positive("log_life_deviation");
+    c.mean = numbers_of<kCurve>(r.get("mean"), file, "life_curves.mean");
+    c.by_life = numbers_of<kCurve>(r.get("by_life"), file, "life_curves.by_life");
+    const Json& covariance = r.get("covariance");
+    if (!covariance.is_array() || covariance.size() != kCurve) throw Error(file, 0, "life_curves.covariance", fmt::format("must be {} rows", kCurve));
+    for (std::size_t i = 0; i < kCurve; ++i) c.covariance.at(i) = numbers_of<kCurve>(covariance[i], file, "life_curves.covariance");
+    c.energy = numbers_of<kEnergiesBefore>(r.get("energy"), file, "life_curves.energy");
+    c.memory = share(r, file, "memory");
+    c.remembered = not_negative(r, file, "remembered");
+    c.fresh = r.positive("fresh");
+    c.evidence = share(r, file, "evidence");
+    c.walk = not_negative(r, file, "walk");
+    c.noise = r.positive("noise");
     r.finish();
     return c;
+}
+
+Json json_of(const LifeCurves& c) {
+    return {{"lives", c.lives},
+            {"limit", c.limit},
+            {"landing_J", c.landing_J},
+            {"log_life", c.log_life},
+            {"log_life_deviation", c.log_life_deviation},
+            {"mean", c.mean},
+            {"by_life", c.by_life},
+            {"covariance", c.covariance},
+            {"energy", c.energy},
+            {"memory", c.memory},
+            {"remembered", c.remembered},
+            {"fresh", c.fresh},
+            {"evidence", c.evidence},
+            {"walk", c.walk},
+            {"noise", c.noise}};
 }
 
 }  // namespace
@@ -74,7 +106,7 @@ std::string to_json(const Population& p) {
     Json limits;
     for (std::size_t i = 0; i < kHealthTests.size(); ++i) limits[kHealthTestNames.at(i)] = p.limits.*kHealthTests.at(i);
     for (const Model& model : p.models) models.push_back(settings::parse_json(to_json(model)));
-    const Json json{
+    Json json{
         {"format", kPopulationFormat},
         {"format_version", kPopulationFormatVersion},
         {"source", p.source},
@@ -87,12 +119,8 @@ std::string to_json(const Population& p) {
         {"spread", {{"log_energy_scale", p.spread.log_energy_scale}, {"offset", p.spread.offset}, {"evidence_kept", p.spread.evidence_kept}}},
         {"steady_stage", {{"from_J", p.steady.from_J}, {"to_J", p.steady.to_J}}},
         {"health_limits", limits},
-        {"calibration",
-         {{"log_misfit", p.calibration.log_misfit},
-          {"misfit_deviation", p.calibration.misfit_deviation},
-          {"filter", p.calibration.filter},
-          {"widening", p.calibration.widening}}},
         {"models", models}};
+    if (p.curves.lives > 0) json["life_curves"] = json_of(p.curves);
     return settings::json_page(json);
 }
 
@@ -115,7 +143,7 @@ Population population_from_json(const std::string& name, std::string_view text) 
     Reader limits = root.object("health_limits");
     for (std::size_t i = 0; i < kHealthTests.size(); ++i) out.limits.*kHealthTests.at(i) = limits.positive(kHealthTestNames.at(i));
     limits.finish();
-    out.calibration = calibration_of(root.object("calibration"), name);
+    if (root.has("life_curves")) out.curves = curves_of(root.object("life_curves"), name);
     const Json& models = root.get("models");
     root.finish();
     if (!models.is_array() || models.empty()) throw Error(name, 0, "models", "must be an array of models, not empty");

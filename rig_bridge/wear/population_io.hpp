@@ -10,7 +10,7 @@
 namespace wear {
 
 constexpr const char* kPopulationFormat = "antiskid wear population";
-constexpr int kPopulationFormatVersion = 2;
+constexpr int kPopulationFormatVersion = 3;
 
 /// population_from_json(to_json(p)) == p, to the last bit.
 [[nodiscard]] std::string to_json(const Population& population);
