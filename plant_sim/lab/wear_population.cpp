@@ -32,9 +32,9 @@ struct PopulationCommand {
         print_table(json_file,
                     "Learnt from brakes {}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset of a brake "
                     "{:.5f}, drift {:.6f} "
-                    "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden, {:.2f} trend\n",
+                    "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden, {:.2f} glazing\n",
                     p.provenance.sentence(), std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered, p.scatter.memory,
-                    p.spread.offset, p.scatter.drift_per_root_MJ, p.spread.log_energy_scale, p.limits.gradual, p.limits.sudden, p.limits.trend);
+                    p.spread.offset, p.scatter.drift_per_root_MJ, p.spread.log_energy_scale, p.limits.gradual, p.limits.sudden, p.limits.glazing);
         keep_json(out / "population.json", json_file, wear::to_json(p));
         print_table(json_file, "Written to {}: population.json\n", out.string());
         return 0;

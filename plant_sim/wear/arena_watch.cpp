@@ -51,7 +51,7 @@ Found found(const Alarm& alarm, const std::vector<Campaign>& lives, std::uint64_
 WatchScore judge_watch(Law law, const Settings& settings, const Population& population, std::uint64_t first, std::size_t lives) {
     constexpr std::uint64_t kAfterTraining = 10'000;  // seeds
     Population known = population;
-    known.limits = {1.0, 1.0, 1.0, 1.0, 1.0};
+    known.limits = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
     std::vector<HealthLimits> greatest;
     std::vector<double> differences;
     for (std::uint64_t k = 0; k < kLimitLives; ++k) {

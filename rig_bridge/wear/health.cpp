@@ -19,7 +19,9 @@ const char* name(Condition condition) {
 HealthMonitor::HealthMonitor(const Population& population)
     : limits_(population.limits),
       filter_(population),
-      own_variance_(population.scatter.remembered * population.scatter.remembered + population.scatter.fresh * population.scatter.fresh) {}
+      own_variance_(population.scatter.remembered * population.scatter.remembered + population.scatter.fresh * population.scatter.fresh) {
+    if (population.curves.lives > 0) glazing_.emplace(population.curves);
+}
 
 void HealthMonitor::look_ahead(double c_e_J) {
     constexpr double kNegligible = 1e-6;
@@ -53,11 +55,12 @@ Verdict HealthMonitor::after(const Point& maneuver) {
     out.score = filter_.score(maneuver);
     ++maneuvers_;
     if (maneuvers_ == 1) first_J_ = maneuver.c_e_J;
-    const double drift = maneuvers_ == 1 ? 0.0 : trend(maneuver);
+    const double drift = maneuvers_ == 1 || glazing_ ? 0.0 : trend(maneuver);
+    const double glazed = glazing_ ? glazing_->after(maneuver) : 0.0;
     friction_ = maneuver.mean_friction;
     not_learnt_ = maneuvers_ <= kUnknownManeuvers || std::abs(out.score) < kNotLearnt ? 0 : not_learnt_ + 1;
     if (not_learnt_ == 0 || not_learnt_ > kMaxNotLearnt) filter_.learn(maneuver);
-    look_ahead(maneuver.c_e_J);
+    if (!glazing_) look_ahead(maneuver.c_e_J);
     if (maneuvers_ <= kUnknownManeuvers) return out;
     if (const bool steady = filter_.population().steady.holds(maneuver.c_e_J); steady != steady_) {
         steady_ = steady;
@@ -75,13 +78,14 @@ Verdict HealthMonitor::after(const Point& maneuver) {
     greatest_.*gradual = std::max({greatest_.*gradual, low_, high_});
     greatest_.*sudden = std::max(greatest_.*sudden, std::abs(two));
     greatest_.trend = std::max(greatest_.trend, std::abs(tended));
+    greatest_.glazing = std::max(greatest_.glazing, glazed);
 
     struct Test {
         double share;
         const char* says;
     };
     const std::array<Test, 4> tests{{
-        {std::max(low_ / (limits_.*gradual), -tended / limits_.trend), "friction falls away from what this brake's wear explains (glazing?)"},
+        {std::max({low_ / (limits_.*gradual), -tended / limits_.trend, glazed / limits_.glazing}), "friction falls away from what this brake's wear explains (glazing?)"},
         {std::max(high_ / (limits_.*gradual), tended / limits_.trend),
          "friction rises above what this brake's wear explains (a piston that drags, a pressure that reads low?)"},
         {-two / (limits_.*sudden), "friction has dropped"},

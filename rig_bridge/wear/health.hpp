@@ -1,12 +1,13 @@
 /// Monitors the health of one brake: tests whether its newest maneuvers are consistent with the brakes of the population.
 ///
 /// Each maneuver's friction is scored against its prediction from the earlier ones (BrakeFilter::score): for a healthy brake a standard normal
-/// deviate z, independent of the earlier ones, whatever the brake's level and the correlation of its scatter. Three tests, all two-sided:
+/// deviate z, independent of the earlier ones, whatever the brake's level and the correlation of its scatter. Tests, all but the last two-sided:
 ///
 ///   gradual   Page's cumulative sums with allowance 1/2: S = max(0, S + |shift of z| - 1/2). A drift: glazing, a lining that is lost.
 ///   sudden    |z_i + z_(i-1)| / sqrt 2. A step.
 ///   trend     The newest ten against what was expected of them 20 maneuvers before, over the scatter (the root of the brake's own times
-///             the population's). A drift that the filter would follow. In the steady stage alone.
+///             the population's). A drift that the filter would follow. In the steady stage alone, and only by a population without life curves.
+///   glazing   Where it has them: the likelihood of a glaze that has begun (glazing_watch.hpp), in all of life.
 ///
 /// Run-in and wear-out (Population::steady) have separate limits, and the sums are reset there.
 ///
@@ -17,9 +18,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "rig_bridge/wear/brake_filter.hpp"
+#include "rig_bridge/wear/glazing_watch.hpp"
 
 namespace wear {
 
@@ -79,6 +82,7 @@ class HealthMonitor {
     double own_variance_;    // of what is new in each maneuver, from differences of neighbours
     double friction_ = 0.0;  // of the maneuver before
     double first_J_ = 0.0;
+    std::optional<GlazingWatch> glazing_;
     std::deque<Expected> ahead_;
     std::deque<double> off_;  // from what was expected kAhead before, newest last
     std::string abnormal_;

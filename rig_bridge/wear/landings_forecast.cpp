@@ -10,9 +10,8 @@ namespace wear {
 
 namespace {
 
-constexpr double kChange = 0.02;  // of going over to other behaviour and back, with each maneuver [A]
-// Kinds of brakes differ in their mean lives as much as the brakes of one kind do [A]: twice the variance.
-constexpr double kOtherKind = std::numbers::sqrt2;
+constexpr double kChange = 0.001;  // of beginning to behave otherwise, with each maneuver [A]
+constexpr double kMinAlike = 1e-6;  // so that evidence can still bring it back
 
 }  // namespace
 
@@ -26,7 +25,7 @@ void LandingsForecast::learn(const Point& point) {
     if (!life_) return;
     const LifeCurves& c = population_->curves;
     const double noise2 = c.noise * c.noise;
-    alike_ += kChange * (kAlike - alike_);
+    alike_ = std::max(kMinAlike, (1.0 - kChange) * alike_);
     if (begun_) {
         const double variance = level_variance_ + noise2, off = point.mean_friction - level_;
         const double otherwise = std::exp(-0.5 * off * off / variance) / std::sqrt(2.0 * std::numbers::pi * variance);
@@ -50,7 +49,7 @@ Conditional LandingsForecast::next() const {
         return {{{1.0, e.mean, e.deviation * e.deviation}}};
     }
     const Expectation e = life_->expected();
-    const double noise = population_->curves.noise, alike = alike_ + kChange * (kAlike - alike_);
+    const double noise = population_->curves.noise, alike = (1.0 - kChange) * alike_;
     return {{{alike, e.mean, e.deviation * e.deviation}, {1.0 - alike, level_, level_variance_ + noise * noise}}};
 }
 
@@ -59,9 +58,12 @@ Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSetting
     if (!life_) return out;
     const auto count = static_cast<std::size_t>(settings.draws);
     std::vector<double> ends_J = life_->ends_J(settings.limit, count, settings.seed);
-    if (const PastLives past(*population_, settings.limit, kOtherKind); past.known()) {
+    if (const PastLives past(*population_, settings.limit); past.known()) {
         out.alike = alike_;
-        ends_J = pooled(ends_J, past_lives_J(past, c_e_J_, count), alike_);
+        const std::vector<double> lives_J = past_lives_J(past, c_e_J_, count);
+        // What no brake is likely to have lasted, this one does not last either: a filter that goes astray goes far.
+        for (double& end_J : ends_J) end_J = std::min(end_J, lives_J.back());
+        ends_J = pooled(ends_J, lives_J, alike_);
     }
     double crossed = 0.0, ever = 0.0;
     out.landings.clear();

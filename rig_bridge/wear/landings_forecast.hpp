@@ -5,8 +5,8 @@
 ///     for (each maneuver) brake.learn(point);
 ///     const Forecast f = brake.forecast(mix, settings);
 ///
-/// Whether it behaves like them is judged by which of the two foretells each next friction: two hypotheses between which a brake may change at every
-/// maneuver, weighed by Bayes' rule.
+/// Whether it behaves like them is judged by which of the two foretells each next friction: two hypotheses, weighed by Bayes' rule, and
+/// a brake may begin to behave otherwise with every maneuver.
 #pragma once
 
 #include <optional>

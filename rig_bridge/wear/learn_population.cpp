@@ -143,7 +143,7 @@ HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::ve
     std::vector<HealthLimits> greatest(watched.size());
     run_jobs(threads, watched.size(), [&](std::size_t k) {
         Population known = healthy.empty() ? without(all, k) : all;
-        known.limits = {1.0, 1.0, 1.0, 1.0, 1.0};
+        known.limits = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
         HealthMonitor monitor(known);
         for (const Point& p : watched[k].points) (void)monitor.after(p);
         greatest[k] = monitor.greatest();

@@ -12,7 +12,6 @@ namespace wear {
 
 namespace {
 
-constexpr int kGrid = 161;
 constexpr double kGridReach = 4.0;  // standard deviations of log L
 
 double squared(double x) {
@@ -35,19 +34,22 @@ double crossing(const life::Values& curve, double limit) {
 
 }  // namespace
 
-LifeFilter::LifeFilter(const LifeCurves& curves) : curves_(&curves) {
+LifeFilter::LifeFilter(const LifeCurves& curves, int grid) : curves_(&curves) {
     const double freedom = static_cast<double>(curves.lives) - 1.0;
     const double deviation = std::sqrt(1.0 + 1.0 / static_cast<double>(curves.lives));
-    hypotheses_.reserve(kGrid);
-    for (int i = 0; i < kGrid; ++i) {
-        const double t = kGridReach * (2.0 * i / (kGrid - 1) - 1.0);
+    hypotheses_.reserve(static_cast<std::size_t>(grid));
+    for (int i = 0; i < grid; ++i) {
+        const double t = kGridReach * (2.0 * i / (grid - 1) - 1.0);
         const double deviations = deviation * t;
         add(std::exp(curves.log_life + curves.log_life_deviation * deviations), deviations, -0.5 * (freedom + 1.0) * std::log1p(t * t / freedom));
     }
 }
 
-LifeFilter::LifeFilter(const LifeCurves& curves, double life_J) : curves_(&curves) {
-    add(life_J, (std::log(life_J) - curves.log_life) / curves.log_life_deviation, 0.0);
+LifeFilter LifeFilter::of_life(const LifeCurves& curves, double life_J) {
+    LifeFilter out;
+    out.curves_ = &curves;
+    out.add(life_J, (std::log(life_J) - curves.log_life) / curves.log_life_deviation, 0.0);
+    return out;
 }
 
 void LifeFilter::add(double life_J, double deviations, double log_prior) {

@@ -19,11 +19,12 @@ class LifeFilter {
     static constexpr std::size_t kStates = kCurve + 1;  ///< values at the knots and, last, the remembered part
     using State = std::array<double, kStates>;
 
-    /// Any life: Student's t of log L, as one more of the lives learnt from. `curves` must outlive this.
-    explicit LifeFilter(const LifeCurves& curves);
-    explicit LifeFilter(LifeCurves&&) = delete;
+    /// Any life: Student's t of log L, as one more of the lives learnt from, at `grid` of them, at least 2.
+    /// `curves` must outlive this.
+    explicit LifeFilter(const LifeCurves& curves, int grid = 161);
+    explicit LifeFilter(LifeCurves&&, int grid = 161) = delete;
     /// The life is known.
-    LifeFilter(const LifeCurves& curves, double life_J);
+    [[nodiscard]] static LifeFilter of_life(const LifeCurves& curves, double life_J);
 
     /// Adds a point; call in the order of the maneuvers.
     void learn(const Point& point);
@@ -61,9 +62,10 @@ class LifeFilter {
     };
     [[nodiscard]] double of_energies() const;
     [[nodiscard]] Predicted predicted(const Hypothesis& hypothesis) const;
+    LifeFilter() = default;
     void add(double life_J, double deviations, double log_prior);
 
-    const LifeCurves* curves_;
+    const LifeCurves* curves_ = nullptr;
     std::vector<Hypothesis> hypotheses_;
     std::array<double, kEnergiesBefore> energies_{};  // relative to the mean, less 1; newest first
     double taken_J_ = 0.0;

@@ -17,7 +17,7 @@ double crossing_J(const MeanCurve& curve, double limit, double step_J, double en
     return std::min(at_J, end_J);
 }
 
-PastLives::PastLives(const Population& population, double limit, double unlike) {
+PastLives::PastLives(const Population& population, double limit) {
     constexpr double kBeyond = 1.1;  // a curve of a brake that was taken off at the limit may end a little above it
     std::vector<double> logs;
     std::size_t crossed = 0;
@@ -36,7 +36,7 @@ PastLives::PastLives(const Population& population, double limit, double unlike) 
     for (const double x : logs) squares += (x - log_mean_) * (x - log_mean_);
     constexpr double kMinDeviation = 1e-3;
     freedom_ = n - 1.0;
-    log_deviation_ = std::max(kMinDeviation, unlike * std::sqrt(squares / freedom_ * (1.0 + 1.0 / n)));
+    log_deviation_ = std::max(kMinDeviation, std::sqrt(squares / freedom_ * (1.0 + 1.0 / n)));
 }
 
 double PastLives::life_J(double c_e_J, double share) const {

@@ -11,8 +11,7 @@ namespace wear {
 /// The logarithm of the life of one more brake is distributed as Student's t about the mean of the others.
 class PastLives {
   public:
-    /// `unlike`: factor on the deviation, for a brake of another kind.
-    PastLives(const Population& population, double limit, double unlike = 1.0);
+    PastLives(const Population& population, double limit);
 
     /// Whether at least half of the members, and at least two, fell below the limit.
     [[nodiscard]] bool known() const { return known_; }

@@ -64,7 +64,7 @@ Population brakes_like(const Model& model) {
     out.members = {MeanCurve(model)};
     out.scatter = {0.5, half, half, 0.1 * deviation};
     out.spread = {0.1, 2.5 * deviation, 0.98};
-    out.limits = {1.0, 1.0, 1.0, 1.0, 1.0};
+    out.limits = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
     out.steady = steady_stage(out.members);
     return out;
 }

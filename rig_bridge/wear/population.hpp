@@ -56,14 +56,15 @@ struct HealthLimits {
     double gradual = 0.0;           ///< of the cumulative sums, in standard normal deviates
     double sudden = 0.0;            ///< of two maneuvers together, likewise
     double trend = 0.0;             ///< of ten maneuvers against what was expected of them, in deviations of the scatter
+    double glazing = 0.0;           ///< of GlazingWatch, where the population has life curves; it takes the place of the trend there
     double unsteady_gradual = 0.0;  ///< in run-in and wear-out
     double unsteady_sudden = 0.0;
     bool operator==(const HealthLimits&) const = default;
 };
 using HealthTest = double HealthLimits::*;
-inline constexpr std::array<HealthTest, 5> kHealthTests{&HealthLimits::gradual, &HealthLimits::sudden, &HealthLimits::trend,
-                                                        &HealthLimits::unsteady_gradual, &HealthLimits::unsteady_sudden};
-inline constexpr std::array kHealthTestNames{"gradual", "sudden", "trend", "unsteady_gradual", "unsteady_sudden"};
+inline constexpr std::array<HealthTest, 6> kHealthTests{&HealthLimits::gradual, &HealthLimits::sudden,           &HealthLimits::trend,
+                                                        &HealthLimits::glazing, &HealthLimits::unsteady_gradual, &HealthLimits::unsteady_sudden};
+inline constexpr std::array kHealthTestNames{"gradual", "sudden", "trend", "glazing", "unsteady_gradual", "unsteady_sudden"};
 
 /// Range of cumulative energy in which no member runs in or wears out; from == to: none.
 struct SteadyStage {

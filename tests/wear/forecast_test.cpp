@@ -258,7 +258,7 @@ TEST_CASE("a population file that is none is refused, naming file and key", "[WE
     };
     CHECK_THAT(rejection(json, "{", ""), ContainsSubstring("p.json: no JSON"));
     CHECK_THAT(rejection(json, "wear population", "wear folk"), ContainsSubstring("p.json: format: must be"));
-    CHECK_THAT(rejection(json, "\"format_version\": 2", "\"format_version\": 9"), ContainsSubstring("9 is not the version"));
+    CHECK_THAT(rejection(json, "\"format_version\": 3", "\"format_version\": 9"), ContainsSubstring("9 is not the version"));
     CHECK_THAT(rejection(json, "\"memory\": 0.6", "\"memory\": 1.6"), ContainsSubstring("memory: 1.6 must be within"));
     CHECK_THAT(rejection(json, "\"fresh\"", "\"stale\""), ContainsSubstring("scatter.fresh: is missing"));
     CHECK_THAT(rejection(json, "\"sudden\": 6.0", "\"sudden\": -6.0"), ContainsSubstring("health_limits.sudden"));

@@ -88,7 +88,7 @@ TEST_CASE("limits flag the stated share of the brakes that they were made from, 
     wear::Generator generator = wear::generator_of(3, 0);
     for (int i = 0; i < 1000; ++i) {
         const double both = wear::normal(generator);
-        greatest.push_back({10.0 + both + wear::normal(generator), 5.0 + both + wear::normal(generator), 0.0, 0.0, 0.0});
+        greatest.push_back({10.0 + both + wear::normal(generator), 5.0 + both + wear::normal(generator), 0.0, 0.0, 0.0, 0.0});
     }
     const auto flagged = [](const std::vector<wear::HealthLimits>& brakes, const wear::HealthLimits& limits) {
         return std::count_if(brakes.begin(), brakes.end(),
@@ -98,7 +98,7 @@ TEST_CASE("limits flag the stated share of the brakes that they were made from, 
     std::vector<wear::HealthLimits> others;
     for (int i = 0; i < 20000; ++i) {
         const double both = wear::normal(generator);
-        others.push_back({10.0 + both + wear::normal(generator), 5.0 + both + wear::normal(generator), 0.0, 0.0, 0.0});
+        others.push_back({10.0 + both + wear::normal(generator), 5.0 + both + wear::normal(generator), 0.0, 0.0, 0.0, 0.0});
     }
     // 200 are stated; limits from 1,000 know their rate to a third of it.
     CHECK(flagged(others, wear::calibrated(greatest)) == Approx(200).margin(130));

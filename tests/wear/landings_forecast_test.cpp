@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -95,30 +94,18 @@ TEST_CASE("a brake of another kind is known by how it goes, and is given past li
     CHECK(brake.forecast(lives_of().mix, ask).landings == f.landings);
 }
 
-TEST_CASE("draws of filter and past lives become one distribution", "[WEAR-072]") {
-    const std::vector<double> filter = ramp(100.0, 1.0), lives = ramp(50.0, 4.0);  // medians 150 and 250
-    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 1.0, 1.0}) == filter);
-    CHECK(wear::corrected(filter, lives, 0.0, {0.0, 1.0, 1.0}) == lives);
-    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 0.0, 1.0}) == lives);
-    CHECK(wear::corrected(filter, lives, 0.0, {0.5, 1.0, 1.0})[50] == 200.0);
-    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 1.0, 2.0}).front() == 50.0);
-    CHECK(wear::corrected(filter, lives, 120.0, {1.0, 1.0, 2.0}).front() == 120.0);
-    CHECK(wear::corrected(filter, lives, 0.0, {1.0, 0.0, 5.0}) == lives);  // nothing to correct by
-    // A filter that sees no end of life gets that of the longest past one.
-    const std::vector<double> never(100, std::numeric_limits<double>::infinity());
-    CHECK(wear::corrected(never, lives, 0.0, {1.0, 1.0, 1.0}).back() == lives.back());
+TEST_CASE("two distributions become their mixture", "[WEAR-072]") {
+    const std::vector<double> life = ramp(100.0, 1.0), past = ramp(50.0, 4.0);
+    CHECK(wear::pooled(life, past, 1.0) == life);
+    CHECK(wear::pooled(life, past, 0.0) == past);
+    // Of 0 to 99 and 1000 to 1099, a quarter the first: 25 values below 100, 75 above 1000.
+    const std::vector<double> apart = wear::pooled(ramp(0.0, 1.0), ramp(1000.0, 1.0), 0.25);
+    CHECK(std::count_if(apart.begin(), apart.end(), [](double x) { return x < 100.0; }) == 25);
+    CHECK(std::is_sorted(apart.begin(), apart.end()));
 }
 
 TEST_CASE("the score of draws is that of their distribution function", "[WEAR-072]") {
     CHECK(wear::crps({3.0}, 5.0) == 2.0);
     // Two values, 0 and 2, truth 1: the integral of (F - step)^2 is 1/4 on either side.
     CHECK(wear::crps({0.0, 2.0}, 1.0) == Approx(0.5));
-}
-
-TEST_CASE("between the tenths a calibration goes straight", "[WEAR-072]") {
-    const wear::ForecastCalibration::Tenths tenths{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0};
-    CHECK(wear::ForecastCalibration::at(tenths, 0.0) == 1.0);
-    CHECK(wear::ForecastCalibration::at(tenths, 0.25) == Approx(2.5));
-    CHECK(wear::ForecastCalibration::at(tenths, 0.9) == Approx(9.0));
-    CHECK(wear::ForecastCalibration::at(tenths, 3.0) == 9.0);
 }

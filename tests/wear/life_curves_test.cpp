@@ -1,0 +1,243 @@
+/// Against a process that is written down here: curve, life, scatter and what energies do are known.
+#include "rig_bridge/wear/life_curves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "plant_sim/wear/law_filter.hpp"
+#include "rig_bridge/wear/draw.hpp"
+#include "rig_bridge/wear/glazing_watch.hpp"
+#include "rig_bridge/wear/landings_forecast.hpp"
+#include "rig_bridge/wear/life_filter.hpp"
+#include "tests/catch.hpp"
+
+namespace {
+
+constexpr double kLimit = 0.2;
+constexpr double kLandings = 150.0;  // of a mean life
+constexpr double kLifeScatter = 0.1;
+constexpr double kOffset = 0.005;    // of a brake, none at the end of its life
+constexpr double kHot = -0.004;      // friction for a mean energy more in the landing before
+constexpr double kFresh = 0.002;
+
+/// Straight between the knots 0.6 and 1.02, and before: falls to the limit at 1.
+double curve(double share, double offset) {
+    return share < 0.6 ? 0.26 - 0.02 * share + offset : 0.248 + offset - (0.048 + offset) / 0.4 * (share - 0.6);
+}
+
+struct Known {
+    wear::Campaign campaign;
+    double life_J = 0.0;
+};
+Known brake(std::uint64_t seed) {
+    wear::Generator generator = wear::generator_of(seed, 77);
+    Known out;
+    out.life_J = 1e6 * kLandings * std::exp(kLifeScatter * wear::normal(generator));
+    const double offset = kOffset * wear::normal(generator);
+    double taken_J = 0.0, before = 0.0;
+    while (taken_J < out.life_J) {
+        const double friction = curve(taken_J / out.life_J, offset) + kHot * before + kFresh * wear::normal(generator);
+        const double energy = 0.5 + wear::uniform(generator);
+        before = energy - 1.0;
+        taken_J += 1e6 * energy;
+        out.campaign.points.push_back({taken_J, friction});
+    }
+    return out;
+}
+
+const wear::LifeCurves& learnt() {
+    static const wear::LifeCurves c = [] {
+        std::vector<wear::Campaign> lives;
+        for (std::uint64_t seed = 0; seed < 30; ++seed) lives.push_back(brake(seed).campaign);
+        return wear::learn_life_curves(lives, kLimit);
+    }();
+    return c;
+}
+
+}  // namespace
+
+TEST_CASE("curves over the share of life are those that the brakes were made from", "[WEAR-073]") {
+    const wear::LifeCurves& c = learnt();
+    CHECK(c.lives == 30);
+    // 30 lives: the mean is known to 1.8 %, the deviation to 13 %.
+    CHECK(c.log_life == Approx(std::log(1e6 * kLandings)).margin(3.0 * 0.018));
+    CHECK(c.log_life_deviation == Approx(kLifeScatter).epsilon(0.4));
+    CHECK(c.landing_J == Approx(1e6).epsilon(0.02));
+    CHECK(c.fresh == Approx(kFresh).epsilon(0.05));
+    CHECK(c.remembered < 0.3 * kFresh);
+    CHECK(c.energy[0] == Approx(kHot).margin(3e-4));
+    for (std::size_t k = 1; k < wear::kEnergiesBefore; ++k) CHECK(std::abs(c.energy.at(k)) < 3e-4);
+    for (std::size_t k = 0; k < wear::kCurve; ++k) {
+        CAPTURE(wear::kLifeKnots.at(k));
+        const double offset = wear::kLifeKnots.at(k) < 0.6 ? 1.0 : std::max(0.0, (1.0 - wear::kLifeKnots.at(k)) / 0.4);
+        // The mean of 30 offsets, and what scatter leaves; before the sixth landing few readings speak for a knot.
+        CHECK(c.mean.at(k) == Approx(curve(wear::kLifeKnots.at(k), 0.0)).margin(3.0 * kOffset / std::sqrt(30.0) + 5e-4));
+        CHECK(std::sqrt(c.covariance.at(k).at(k)) == Approx(kOffset * offset).margin(0.4 * kOffset));
+    }
+}
+
+TEST_CASE("the same lives give the same curves on any number of threads; less than three are refused", "[WEAR-073]") {
+    std::vector<wear::Campaign> lives;
+    for (std::uint64_t seed = 0; seed < 5; ++seed) lives.push_back(brake(seed).campaign);
+    CHECK(wear::learn_life_curves(lives, kLimit, 1) == wear::learn_life_curves(lives, kLimit, 2));
+    lives.resize(2);
+    CHECK_THROWS_AS(wear::learn_life_curves(lives, kLimit), std::invalid_argument);
+}
+
+TEST_CASE("a life ends where friction stays below the limit, or with the campaign", "[WEAR-073]") {
+    wear::Campaign c;
+    // Below in run-in, above until 100, below after.
+    for (int i = 1; i <= 140; ++i) c.points.push_back({1e6 * i, i <= 5 ? 0.18 : 0.2 + 0.001 * (100.5 - i) + (i % 2 == 0 ? 2e-4 : -2e-4)});
+    CHECK(wear::end_of_life_J(c, 0.2) == 100e6);
+    CHECK(wear::end_of_life_J(c, 0.0) == 140e6);
+    c.points.resize(102);  // two readings a little below: scatter
+    CHECK(wear::end_of_life_J(c, 0.15) == 102e6);
+}
+
+TEST_CASE("with a known life the filter is the joint normal distribution of all readings", "[WEAR-073]") {
+    wear::LifeCurves c = learnt();
+    c.memory = 0.6;
+    c.remembered = 0.0015;
+    const double life_J = 140e6, deviations = (std::log(life_J) - c.log_life) / c.log_life_deviation;
+    constexpr int n = 5;
+    const double friction[n] = {0.262, 0.257, 0.259, 0.251, 0.254};
+    const double end_J[n] = {0.7e6, 2.1e6, 3.0e6, 4.4e6, 5.0e6};
+    double rows[n][wear::kCurve] = {}, mean[n] = {};
+    for (int i = 0; i < n; ++i) {
+        const double share = i == 0 ? 0.0 : end_J[i - 1] / life_J;
+        for (std::size_t k = 0; k + 1 < wear::kCurve; ++k) {
+            if (share < wear::kLifeKnots.at(k) || share >= wear::kLifeKnots.at(k + 1)) continue;
+            rows[i][k + 1] = (share - wear::kLifeKnots.at(k)) / (wear::kLifeKnots.at(k + 1) - wear::kLifeKnots.at(k));
+            rows[i][k] = 1.0 - rows[i][k + 1];
+        }
+        for (std::size_t k = 0; k < wear::kCurve; ++k) mean[i] += rows[i][k] * (c.mean.at(k) + deviations * c.by_life.at(k));
+        for (int lag = 1; lag <= i; ++lag)
+            mean[i] += c.energy.at(static_cast<std::size_t>(lag - 1)) * ((end_J[i - lag] - (i > lag ? end_J[i - lag - 1] : 0.0)) / c.landing_J - 1.0);
+    }
+    double l[n][n] = {}, z[n], expected = 0.0;
+    for (int i = 0; i < n; ++i) {
+        for (int j = 0; j <= i; ++j) {
+            double sum = c.remembered * c.remembered * std::pow(c.memory, i - j) + (i == j ? c.fresh * c.fresh : 0.0);
+            for (std::size_t a = 0; a < wear::kCurve; ++a)
+                for (std::size_t b = 0; b < wear::kCurve; ++b) sum += rows[i][a] * c.covariance.at(a).at(b) * rows[j][b];
+            for (int k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
+            l[i][j] = i == j ? std::sqrt(sum) : sum / l[j][j];
+        }
+        double off = friction[i] - mean[i];
+        for (int k = 0; k < i; ++k) off -= l[i][k] * z[k];
+        z[i] = off / l[i][i];
+        expected += -0.5 * z[i] * z[i] - std::log(l[i][i]) - 0.5 * std::log(2.0 * std::numbers::pi);
+    }
+    wear::LifeFilter filter = wear::LifeFilter::of_life(c, life_J);
+    double got = 0.0;
+    for (int i = 0; i < n; ++i) {
+        got += filter.log_density(friction[i]);
+        CHECK(filter.expected().deviation == Approx(l[i][i]).epsilon(1e-9));
+        filter.learn({end_J[i], friction[i]});
+    }
+    CHECK(got == Approx(expected).epsilon(1e-9));
+    // Likelihoods of two lives, each by itself, are those of one filter that holds both.
+    wear::LifeFilter grid(c);
+    for (int i = 0; i < n; ++i) grid.learn({end_J[i], friction[i]});
+    for (const std::size_t k : {40U, 90U}) {
+        const wear::LifeFilter::Hypothesis& h = grid.hypotheses()[k];
+        wear::LifeFilter one = wear::LifeFilter::of_life(c, h.life_J);
+        double sum = 0.5 * n * std::log(2.0 * std::numbers::pi);
+        for (int i = 0; i < n; ++i) {
+            sum += one.log_density(friction[i]);
+            one.learn({end_J[i], friction[i]});
+        }
+        CHECK(h.log_likelihood == Approx(sum).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("before any reading lives are those of Student's t; with the readings of most of a life the true one", "[WEAR-073]") {
+    const wear::LifeCurves& c = learnt();
+    const std::vector<double> before = wear::LifeFilter(c).lives_J(1000);
+    // Student's t with 29 degrees of freedom: 90 % are below 1.311.
+    CHECK(std::log(before[899]) == Approx(c.log_life + 1.311 * c.log_life_deviation * std::sqrt(1.0 + 1.0 / 30.0)).margin(0.01 * c.log_life_deviation));
+    CHECK(std::is_sorted(before.begin(), before.end()));
+    double held_half = 0.0, held_late = 0.0, wide_half = 0.0, wide_late = 0.0;
+    constexpr int kBrakes = 150;
+    for (std::uint64_t seed = 1000; seed < 1000 + kBrakes; ++seed) {
+        const Known b = brake(seed);
+        wear::LifeFilter filter(c);
+        for (std::size_t i = 0; i < b.campaign.points.size() * 9 / 10; ++i) {
+            if (i == b.campaign.points.size() / 2 || i + 1 == b.campaign.points.size() * 9 / 10) {
+                const std::vector<double> lives = filter.lives_J(100);
+                const bool late = i > b.campaign.points.size() / 2, held = b.life_J >= lives[9] && b.life_J <= lives[90];
+                (late ? held_late : held_half) += held ? 1.0 / kBrakes : 0.0;
+                (late ? wide_late : wide_half) += (lives[90] - lives[9]) / kBrakes;
+            }
+            filter.learn(b.campaign.points[i]);
+        }
+    }
+    // Standard error of a share of 150: 0.033.
+    CHECK(held_half == Approx(0.81).margin(0.1));
+    CHECK(held_late == Approx(0.81).margin(0.1));
+    CHECK(wide_late < 0.3 * wide_half);
+}
+
+TEST_CASE("another limit is crossed where the brake's own curve crosses it", "[WEAR-073]") {
+    wear::LifeCurves c = learnt();
+    wear::LifeFilter filter(c);
+    const Known b = brake(2000);
+    for (std::size_t i = 0; i < b.campaign.points.size() * 8 / 10; ++i) filter.learn(b.campaign.points[i]);
+    const std::vector<double> lives = filter.ends_J(kLimit, 200, 1), sooner = filter.ends_J(0.22, 200, 1), never = filter.ends_J(0.02, 200, 1);
+    CHECK(lives == filter.lives_J(200));
+    CHECK(std::is_sorted(sooner.begin(), sooner.end()));
+    CHECK(filter.ends_J(0.22, 200, 1) == sooner);
+    wear::Generator generator = wear::generator_of(2000, 77);
+    (void)wear::normal(generator);
+    const double offset = kOffset * wear::normal(generator);
+    const double truth_J = b.life_J * (0.6 + 0.4 * (0.248 + offset - 0.22) / (0.048 + offset));
+    CHECK(sooner[100] == Approx(truth_J).epsilon(0.03));
+    CHECK(std::isinf(never.back()));
+}
+
+TEST_CASE("a glaze is told from an early end of life", "[WEAR-060][WEAR-073]") {
+    const double limit = std::log(100.0 * kLandings / wear::GlazingWatch::kEvery * wear::GlazingWatch::kSizes.size());
+    int false_alarms = 0, found = 0;
+    constexpr int kBrakes = 40;
+    for (std::uint64_t seed = 3000; seed < 3000 + kBrakes; ++seed) {
+        const Known b = brake(seed);
+        wear::GlazingWatch healthy(learnt()), glazed(learnt());
+        bool alarm = false, soon = false;
+        constexpr std::size_t kBegin = 60;
+        for (std::size_t i = 0; i < b.campaign.points.size(); ++i) {
+            wear::Point p = b.campaign.points[i];
+            alarm = alarm || healthy.after(p) > limit;
+            if (i >= kBegin) p.mean_friction *= 1.0 - 0.1 * std::min(1.0, static_cast<double>(i - kBegin + 1) / 40.0);
+            if (i < kBegin + 25) soon = glazed.after(p) > limit || soon;
+        }
+        false_alarms += alarm ? 1 : 0;
+        found += soon ? 1 : 0;
+    }
+    // A likelihood ratio exceeds c with a probability of at most 1 / c where the model is true: 1 % over all supposed begins.
+    CHECK(false_alarms <= 2);
+    CHECK(found >= 34);
+}
+
+TEST_CASE("who is told the law finds life and level of a brake", "[WEAR-070]") {
+    using namespace wear::arena;
+    const Settings settings = load_settings("config/wear_arena.toml");
+    double held = 0.0;
+    constexpr int kBrakes = 20;
+    for (std::uint64_t seed = 0; seed < kBrakes; ++seed) {
+        const Life life = live(Law::archard, settings, seed);
+        LawFilter filter(Law::archard, settings, seed);
+        for (std::size_t i = 0; i < life.landings() * 8 / 10; ++i) filter.learn(life.campaign.points[i]);
+        const double truth = life.before[life.landings() * 8 / 10].expected();
+        CHECK(filter.expected().mean == Approx(truth).margin(0.003));
+        CHECK(filter.expected().deviation >= Brake::kFresh);
+        std::vector<double> lives_J;
+        for (const Brake& b : filter.drawn(200)) lives_J.push_back(b.life_J());
+        std::sort(lives_J.begin(), lives_J.end());
+        const double own_J = life.before.front().life_J();
+        CHECK(own_J == Approx(lives_J[100]).epsilon(0.05));
+        held += own_J >= lives_J[20] && own_J <= lives_J[179] ? 1.0 / kBrakes : 0.0;
+    }
+    CHECK(held > 0.5);  // 0.8; of 20, standard error 0.09
+}
