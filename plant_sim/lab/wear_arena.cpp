@@ -19,7 +19,7 @@ namespace {
 using settings::Json;
 using wear::arena::Scores;
 
-constexpr std::array kForecasters{wear::arena::Entrant::past_lives, wear::arena::Entrant::filter, wear::arena::Entrant::shipped,
+constexpr std::array kForecasters{wear::arena::Entrant::past_lives,  wear::arena::Entrant::filter,   wear::arena::Entrant::shipped,
                                   wear::arena::Entrant::life_curves, wear::arena::Entrant::law_told, wear::arena::Entrant::oracle};
 constexpr const char* kMadeUp = "lives made up by the laws of plant_sim/wear/rival_laws.hpp";
 

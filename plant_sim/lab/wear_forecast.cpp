@@ -159,7 +159,7 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
         ->capture_default_str();
     verb->add_option("--energy", f->request.energy_MJ, "MJ of each landing to come, instead")->check(CLI::Range(1e-4, 1e3))->excludes(mix);
     settings::one_of(verb->add_option("--method", f->request.method,
-                                      "shipped: filter, past lives and calibration; filter: what the brake's own friction says, alone"),
+                                      "shipped: curves over the share of life, and past lives; filter: what the brake's own friction says, alone"),
                      {"shipped", "filter"})
         ->capture_default_str();
     verb->add_option("--last", f->request.last, "learn from the newest N maneuvers only; 0: all")->capture_default_str();

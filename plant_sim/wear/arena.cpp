@@ -338,9 +338,8 @@ Result run(const Plan& plan) {
     std::vector<Trained> trained(laws);
     run_jobs(plan.threads, laws, [&](std::size_t i) { trained[i] = train(plan, plan.laws[i]); });
     std::vector<Tally> told(laws * plan.judged_lives);
-    run_jobs(plan.threads, told.size(), [&](std::size_t job) {
-        told[job] = judge_told(plan, plan.laws[job / plan.judged_lives], plan.judged_seed + job % plan.judged_lives);
-    });
+    run_jobs(plan.threads, told.size(),
+             [&](std::size_t job) { told[job] = judge_told(plan, plan.laws[job / plan.judged_lives], plan.judged_seed + job % plan.judged_lives); });
     std::vector<Tallies> tallies(laws * laws * plan.judged_lives);
     run_jobs(plan.threads, tallies.size(), [&](std::size_t job) {
         const std::size_t pair = job / plan.judged_lives;

@@ -16,7 +16,7 @@ enum class Entrant : std::uint8_t {
     mixture,       ///< likewise, from all components
     local_linear,  ///< Kalman smoother of level and slope in this life alone
     filter,        ///< the filter and its forecast, learnt from the training lives
-    shipped,       ///< likewise, with past lives and calibration: what `rig-lab wear forecast` says
+    shipped,       ///< life_curves, and past lives where the brake behaves otherwise: what `rig-lab wear forecast` says
     life_curves,   ///< the Gaussian process over the share of life, learnt from the training lives (life_curves.hpp)
     law_told,      ///< told the law, but not the brake: what can be known of its state from its own friction and energies (law_filter.hpp)
     oracle,        ///< told the law and the brake's own state; knows neither scatter nor landings to come

@@ -7,8 +7,8 @@ namespace wear {
 
 namespace {
 
-constexpr int kLives = 41;       // of the grid: coarser than a forecast needs
-constexpr int kFirst = 5;        // maneuvers until the brake's own level is known a little
+constexpr int kLives = 41;        // of the grid: coarser than a forecast needs
+constexpr int kFirst = 5;         // maneuvers until the brake's own level is known a little
 constexpr double kMaxGain = 3.0;  // of one maneuver: one outlier is no trend
 
 }  // namespace

@@ -85,7 +85,8 @@ Verdict HealthMonitor::after(const Point& maneuver) {
         const char* says;
     };
     const std::array<Test, 4> tests{{
-        {std::max({low_ / (limits_.*gradual), -tended / limits_.trend, glazed / limits_.glazing}), "friction falls away from what this brake's wear explains (glazing?)"},
+        {std::max({low_ / (limits_.*gradual), -tended / limits_.trend, glazed / limits_.glazing}),
+         "friction falls away from what this brake's wear explains (glazing?)"},
         {std::max(high_ / (limits_.*gradual), tended / limits_.trend),
          "friction rises above what this brake's wear explains (a piston that drags, a pressure that reads low?)"},
         {-two / (limits_.*sudden), "friction has dropped"},

@@ -10,7 +10,7 @@ namespace wear {
 
 namespace {
 
-constexpr double kChange = 0.001;  // of beginning to behave otherwise, with each maneuver [A]
+constexpr double kChange = 0.001;   // of beginning to behave otherwise, with each maneuver [A]
 constexpr double kMinAlike = 1e-6;  // so that evidence can still bring it back
 
 }  // namespace

@@ -25,18 +25,18 @@ inline constexpr std::size_t kEnergiesBefore = 6;
 struct LifeCurves {
     using Values = std::array<double, kCurve>;  ///< at the knots
 
-    std::size_t lives = 0;  ///< learnt from; 0: nothing is known
-    double limit = 0.0;     ///< friction at which a life ends; 0: where the campaign does
+    std::size_t lives = 0;   ///< learnt from; 0: nothing is known
+    double limit = 0.0;      ///< friction at which a life ends; 0: where the campaign does
     double landing_J = 0.0;  ///< mean energy of a maneuver
     double log_life = 0.0;   ///< mean of log L, L in J
     double log_life_deviation = 0.0;
     Values mean{};
-    Values by_life{};                         ///< change of the mean for each standard deviation of log L
-    std::array<Values, kCurve> covariance{};  ///< between the knots
+    Values by_life{};                              ///< change of the mean for each standard deviation of log L
+    std::array<Values, kCurve> covariance{};       ///< between the knots
     std::array<double, kEnergiesBefore> energy{};  ///< friction for e_mean more, of the maneuver before, the one before that, ...
-    double memory = 0.0;      ///< correlation of the remembered part from one maneuver to the next, in [0, 1)
-    double remembered = 0.0;  ///< standard deviation
-    double fresh = 0.0;       ///< likewise, > 0
+    double memory = 0.0;                           ///< correlation of the remembered part from one maneuver to the next, in [0, 1)
+    double remembered = 0.0;                       ///< standard deviation
+    double fresh = 0.0;                            ///< likewise, > 0
     /// Exponent of the likelihood, in (0, 1]: a curve learnt from few lives is not quite that of the next brake, and its errors add up over maneuvers.
     double evidence = 1.0;
     /// Of friction taken as a level that walks, seen through white noise, whatever the life: standard deviations of a step and of the noise.

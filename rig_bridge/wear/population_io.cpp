@@ -106,20 +106,19 @@ std::string to_json(const Population& p) {
     Json limits;
     for (std::size_t i = 0; i < kHealthTests.size(); ++i) limits[kHealthTestNames.at(i)] = p.limits.*kHealthTests.at(i);
     for (const Model& model : p.models) models.push_back(settings::parse_json(to_json(model)));
-    Json json{
-        {"format", kPopulationFormat},
-        {"format_version", kPopulationFormatVersion},
-        {"source", p.source},
-        {"learnt_from", json_of(p.provenance)},
-        {"scatter",
-         {{"memory", p.scatter.memory},
-          {"remembered", p.scatter.remembered},
-          {"fresh", p.scatter.fresh},
-          {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
-        {"spread", {{"log_energy_scale", p.spread.log_energy_scale}, {"offset", p.spread.offset}, {"evidence_kept", p.spread.evidence_kept}}},
-        {"steady_stage", {{"from_J", p.steady.from_J}, {"to_J", p.steady.to_J}}},
-        {"health_limits", limits},
-        {"models", models}};
+    Json json{{"format", kPopulationFormat},
+              {"format_version", kPopulationFormatVersion},
+              {"source", p.source},
+              {"learnt_from", json_of(p.provenance)},
+              {"scatter",
+               {{"memory", p.scatter.memory},
+                {"remembered", p.scatter.remembered},
+                {"fresh", p.scatter.fresh},
+                {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
+              {"spread", {{"log_energy_scale", p.spread.log_energy_scale}, {"offset", p.spread.offset}, {"evidence_kept", p.spread.evidence_kept}}},
+              {"steady_stage", {{"from_J", p.steady.from_J}, {"to_J", p.steady.to_J}}},
+              {"health_limits", limits},
+              {"models", models}};
     if (p.curves.lives > 0) json["life_curves"] = json_of(p.curves);
     return settings::json_page(json);
 }

@@ -18,8 +18,8 @@ namespace {
 constexpr double kLimit = 0.2;
 constexpr double kLandings = 150.0;  // of a mean life
 constexpr double kLifeScatter = 0.1;
-constexpr double kOffset = 0.005;    // of a brake, none at the end of its life
-constexpr double kHot = -0.004;      // friction for a mean energy more in the landing before
+constexpr double kOffset = 0.005;  // of a brake, none at the end of its life
+constexpr double kHot = -0.004;    // friction for a mean energy more in the landing before
 constexpr double kFresh = 0.002;
 
 /// Straight between the knots 0.6 and 1.02, and before: falls to the limit at 1.
@@ -157,7 +157,8 @@ TEST_CASE("before any reading lives are those of Student's t; with the readings 
     const wear::LifeCurves& c = learnt();
     const std::vector<double> before = wear::LifeFilter(c).lives_J(1000);
     // Student's t with 29 degrees of freedom: 90 % are below 1.311.
-    CHECK(std::log(before[899]) == Approx(c.log_life + 1.311 * c.log_life_deviation * std::sqrt(1.0 + 1.0 / 30.0)).margin(0.01 * c.log_life_deviation));
+    CHECK(std::log(before[899]) ==
+          Approx(c.log_life + 1.311 * c.log_life_deviation * std::sqrt(1.0 + 1.0 / 30.0)).margin(0.01 * c.log_life_deviation));
     CHECK(std::is_sorted(before.begin(), before.end()));
     double held_half = 0.0, held_late = 0.0, wide_half = 0.0, wide_late = 0.0;
     constexpr int kBrakes = 150;
