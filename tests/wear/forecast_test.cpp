@@ -202,7 +202,7 @@ TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interv
     // A population that knows nothing of how brakes differ is caught.
     wear::Population sure = shipped();
     sure.members = {sure.members.front()};
-    sure.spread = {0.001, 0.001, 1.0};
+    sure.curves.log_life_deviation = 0.01;
     brakes.resize(40);
     CHECK(wear::back_test(sure, brakes, s).pooled.coverage() < 0.6);
 }
