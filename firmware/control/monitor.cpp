@@ -19,11 +19,11 @@ FaultSet only(Fault fault) {
     return only(fault, true);
 }
 /// A healthy sensor's frame is never late; a late one counts as several readings.
-void take_reading(Test& test, FaultSet wrong, Fault lost) {
+void take_reading(FaultCounter& counter, FaultSet wrong, Fault lost) {
     constexpr int kMore = 3;
-    test.take(wrong);
+    counter.take(wrong);
     if (wrong.contains(lost))
-        for (int times = 0; times < kMore; ++times) test.take(wrong);
+        for (int times = 0; times < kMore; ++times) counter.take(wrong);
 }
 }  // namespace
 

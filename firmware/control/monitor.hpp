@@ -1,6 +1,6 @@
 /// Checks every input in every period and names the faults. Braking is permitted only without faults.
 ///
-/// Each signal has two tests. One counts impossible readings: out of the sensor's range, or not reachable from the previous readings. The other
+/// Each signal has two fault counters. One counts impossible readings: out of the sensor's range, or not reachable from the previous readings. The other
 /// counts periods in which the estimate from the readings is implausible. The conditions may be interrupted: each good reading or period takes back
 /// half of a bad one.
 ///
@@ -69,8 +69,8 @@ class Monitor {
     /// One speed.
     struct Speed {
         Speed(const MonitorConfig& config, float period_s) : reading(config.implausible_s, period_s), stays(config.stuck_s, period_s) {}
-        Test reading;
-        Test stays;
+        FaultCounter reading;
+        FaultCounter stays;
         float min = 0.0F;  // that it must still have: the wheel in rad/s, the aircraft in m/s
         float last_radps = 0.0F;
         bool known = false;
@@ -106,7 +106,7 @@ class Monitor {
     Speed flywheel_;
     float max_mps_ = 0.0F;       // that an aircraft on its wheels can have
     float acted_radps2_ = 0.0F;  // by brake or road, with what is left of it in a carcass
-    Test pressure_reading_, pressure_stays_;
+    FaultCounter pressure_reading_, pressure_stays_;
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;
     float model_at_change_Pa_ = 0.0F;
