@@ -164,7 +164,7 @@ void Meter::start(const MeterSample& sample) {
     start_mps_ = flywheel_.edges() ? flywheel_.track().speed(kBrakeOnWindow_s) : flywheel_.speed();
     start_radps_ = wheel_.edges() ? wheel_.track().speed(kBrakeOnWindow_s) : wheel_.speed();
     sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
-    books_ = WorkBooks(sample.time_s);
+    work_balance_ = WorkBalance(sample.time_s);
     knot_ = knot_at(sample);
     hole_ = false;
     sliding_pressure_Pas_ = sliding_way_m_ = 0.0;
@@ -214,7 +214,7 @@ void Meter::integrate(const MeterSample& sample) {
         sample.brake_torque_Nm == last_.brake_torque_Nm && sample.vertical_N == last_.vertical_N && sample.longitudinal_N == last_.longitudinal_N;
     const bool moves = hears(wheel_, sample.time_s) && hears(flywheel_, sample.time_s);  // else torque has no angle
     const CellReading reading = !sample.load_cells_reported || !moves ? CellReading::none : repeated ? CellReading::repeated : CellReading::fresh;
-    const bool silent = books_.silent();
+    const bool silent = work_balance_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
     knot_.hole = knot_.hole || !moves || h > kBrakeOnWindow_s;
     const double metres = flywheel_.way() - last_flywheel_way_;
@@ -223,9 +223,9 @@ void Meter::integrate(const MeterSample& sample) {
     knot_.metres += metres;
     if (sliding()) knot_.sliding_s += h;
     if (!dropped_out_) knot_.sliding_m += metres;
-    if (books_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample))) knot_ = knot_at(sample);
+    if (work_balance_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample))) knot_ = knot_at(sample);
     sums_.time_s = sample.time_s;
-    sums_.torque_Nms = books_.work().torque_Nms;
+    sums_.torque_Nms = work_balance_.work().torque_Nms;
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
     sums_.pressure_Pas += pressure * h;
     if (!dropped_out_) {
@@ -233,7 +233,7 @@ void Meter::integrate(const MeterSample& sample) {
         sliding_way_m_ += metres;
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }
-    if (books_.silent() && !silent) tail_.clear();  // it had the other torque
+    if (work_balance_.silent() && !silent) tail_.clear();  // it had the other torque
     if (flywheel_.news() != news_) {
         news_ = flywheel_.news();
         tail_.clear();
@@ -284,13 +284,13 @@ std::vector<std::string> Meter::warnings() const {
         if (const std::uint64_t n = shaft->track().restarts(); n != 0) all.push_back(fmt::format("encoder_restarted: {} {}", what, n));
     if (state_ == State::waiting) return all;
     const Figures f = figures();
-    if (const double silent_s = books_.silent_s(); silent_s > 0.0)
+    if (const double silent_s = work_balance_.silent_s(); silent_s > 0.0)
         all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells or encoders silent for {:.3g} s", kEnergyBySpeeds,
-                                  books_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
+                                  work_balance_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
     // A rig that does not measure F_x knows nothing of the tyre's part.
-    const bool too_little = f.energy_tyre_J != books_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
+    const bool too_little = f.energy_tyre_J != work_balance_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
     if (too_little || used_J > f.kinetic_energy_J + band_J)
         all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy", kEnergyUnbalanced, used_J * 1e-6,
                                   f.kinetic_energy_J * 1e-6));
@@ -307,7 +307,7 @@ Figures Meter::now() const {
     const double end_s = standstill_ ? flywheel_.rest_s() : sums_.time_s;
     const double end_way_m = standstill_ ? flywheel_.rest_way() : flywheel_.way();
     const Sums sums = standstill_ ? sums_at(end_s) : sums_;
-    const Work& work = books_.work();
+    const Work& work = work_balance_.work();
     f.brake_on_mps = start_mps_;
     f.duration_s = end_s - start_s_;
     f.length_m = end_way_m - start_way_m_;

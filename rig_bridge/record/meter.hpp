@@ -13,7 +13,7 @@
 /// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
 /// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
 ///
-/// While load cells or encoders are silent, the work is computed from the speeds before and after (WorkBooks); the warning "energy_by_speeds: ..."
+/// While load cells or encoders are silent, the work is computed from the speeds before and after (WorkBalance); the warning "energy_by_speeds: ..."
 /// says how much.
 ///
 /// Their sum must equal the kinetic energy lost, eq. (8); otherwise the figures are invalid and warnings() reports it.
@@ -30,7 +30,7 @@
 #include "firmware/can/rig_sample.hpp"
 #include "rig_bridge/record/edge_track.hpp"
 #include "rig_bridge/record/summary.hpp"
-#include "rig_bridge/record/work_books.hpp"
+#include "rig_bridge/record/work_balance.hpp"
 
 namespace rig::record {
 
@@ -188,7 +188,7 @@ class Meter {
     double rolling_ = 1.0;           // 1 - lambda, as it last was known
     double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
     Sums sums_;
-    WorkBooks books_;
+    WorkBalance work_balance_;
     /// The newest new reading of the load cells, and what was since.
     struct Knot {
         double torque_Nm = 0.0, vertical_N = 0.0, longitudinal_N = 0.0;

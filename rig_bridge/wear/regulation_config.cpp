@@ -84,7 +84,7 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     config.rules.step = reference.number("step", {.min = 0.001, .max = 0.5});
     config.rules.patience = reference.integer<int>("patience_landings", {.min = 0, .max = 1000});
     const settings::Table measurement = root.table("measurement");
-    config.rules.books_tolerance = measurement.number("books_tolerance", {.min = 0.001, .max = 0.9});
+    config.rules.energy_tolerance = measurement.number("books_tolerance", {.min = 0.001, .max = 0.9});
     config.rules.adaptation = measurement.number("adaptation", {.min = 0.001, .max = 1.0});
     const settings::Table floor = root.table("floor");
     config.rules.j_mu_floor = floor.number("j_mu", {.min = 0.0, .max = 1.0});

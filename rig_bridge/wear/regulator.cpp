@@ -43,7 +43,7 @@ Regulator::Regulator(const WearPlan& plan, const Rules& rules, const Range& rang
     need(plan.tolerance > 0.0 && plan.tolerance < 1.0, "the tolerance must be between 0 and 1");
     need(rules.step > 0.0 && rules.step <= 0.5, "the step must be above 0 and at most 0.5");
     need(rules.patience >= 0, "the patience must not be negative");
-    need(rules.books_tolerance > 0.0 && rules.books_tolerance < 1.0, "the books' tolerance must be between 0 and 1");
+    need(rules.energy_tolerance > 0.0 && rules.energy_tolerance < 1.0, "the energy tolerance must be between 0 and 1");
     need(rules.adaptation > 0.0 && rules.adaptation <= 1.0, "the adaptation must be above 0 and at most 1");
     need(range.lowest > 0.0 && range.highest <= 0.5, "references must lie above 0 and not above 0.5");
     need(range.contains(rules.default_reference), "the default reference lies outside of the range");
@@ -72,9 +72,9 @@ Reading Regulator::judge(const Landing& l) const {
         if (value < 0.0) return Reading::negative;
     }
     if (l.reference == 0.0 || l.kinetic_J == 0.0) return Reading::missing;
-    const double max_J = l.kinetic_J * (1.0 + rules_.books_tolerance);
+    const double max_J = l.kinetic_J * (1.0 + rules_.energy_tolerance);
     if (l.tyre_J > max_J || l.brake_J > max_J) return Reading::beyond_kinetic;
-    if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.books_tolerance * l.kinetic_J) return Reading::energy_mismatch;
+    if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.energy_tolerance * l.kinetic_J) return Reading::energy_mismatch;
     if (l.brake_wear_J < wear_counter_J_) return Reading::counter_back;
     return Reading::measured;
 }

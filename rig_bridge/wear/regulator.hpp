@@ -38,7 +38,7 @@ struct Rules {
     double default_reference = 0.24;  ///< before the first measurement, and when measurements are missing
     double step = 0.02;               ///< largest change of the reference from one landing to the next
     int patience = 3;                 ///< landings without measurement after which it goes back to the default
-    double books_tolerance = 0.1;     ///< largest plausible relative difference of brake + tyre energy from kinetic energy
+    double energy_tolerance = 0.1;    ///< largest plausible relative difference of brake + tyre energy from kinetic energy
     double j_mu_floor = 0.85;
     double adaptation = 0.05;  ///< weight of the newest landing in the share that a reference gives, once settled
 };
