@@ -40,7 +40,7 @@ class BusListener {
     std::uint64_t syncs_ = 0;
     antiskid::can::Observer live_;
     RejectedFrames status_;  // the controller's
-    WhoSends senders_;
+    DuplicateSenders senders_;
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
 };

@@ -26,7 +26,7 @@ struct BusNow {
     antiskid::can::Time looked = antiskid::control::kNever;
     /// Why recent status frames of the controller were refused, by RejectedFrames; empty: none was.
     std::string controller_rejected;
-    /// Evidence of two controllers, by WhoSends; empty: none. The bridge's own frames are received too.
+    /// Evidence of two controllers, by DuplicateSenders; empty: none. The bridge's own frames are received too.
     std::string two_controllers;
     std::string two_bridges;
     double rim_mps = 0.0;        ///< flywheel, by its encoder
