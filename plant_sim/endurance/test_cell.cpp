@@ -52,7 +52,7 @@ rig::Inputs TestCell::look() const {
     if (rig::at(measured, Measured::applied_commit) != commit_) plc.pending_s = rig_.time_s() - committed_s_;
     rig::bridge::BusNow bus;
     bus.up = true;
-    bus.looked = now_;
+    bus.valid_at = now_;
     for (auto* received : {&bus.view.wheel.received, &bus.view.flywheel.received, &bus.view.pressure.received, &bus.view.controller.status_received})
         *received = now_;
     bus.view.pressure.pressure_Pa = rig_.sample().pressure_Pa;

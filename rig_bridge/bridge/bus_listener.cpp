@@ -43,8 +43,8 @@ void BusListener::tell(BusNow& now, Time time, bool drained, const Recording* re
     constexpr Time kLately{200'000'000};
     const antiskid::can::BusView& view = live_.view();
     now.view = view;
-    if (drained) now.looked = time;
-    now.controller_rejected = status_.reason(now.looked - kLately);
+    if (drained) now.valid_at = time;
+    now.controller_rejected = status_.reason(now.valid_at - kLately);
     now.two_controllers = senders_.two_controllers();
     now.two_bridges = senders_.two_bridges();
     wheel_.update(view.wheel, time);

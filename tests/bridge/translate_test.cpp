@@ -103,8 +103,8 @@ TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[B
 }
 
 TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-400]") {
-    const auto aged = [](Time received, Time looked) {
-        rig::bridge::BusNow bus = good_bus(looked);
+    const auto aged = [](Time received, Time valid_at) {
+        rig::bridge::BusNow bus = good_bus(valid_at);
         bus.view.pressure.received = received;
         return bus;
     };
@@ -129,7 +129,7 @@ TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-
     rig::bridge::BusNow never = good_bus(1s);
     never.view.controller.status_received = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), never).controller_fresh);
-    never.looked = antiskid::control::kNever;
+    never.valid_at = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), never).bus_up);
     rig::bridge::BusNow down = good_bus(1s);
     down.up = false;
