@@ -94,7 +94,7 @@ void BridgeProgram::poll() {
     plc_.client.round();
 }
 
-void BridgeProgram::hear() {
+void BridgeProgram::receive() {
     rig::bridge::Recording* const recording = run_ && run_->maneuver.recording() ? run_->recording.get() : nullptr;
     std::array<Frame, 64> frames{};
     std::array<rig::record::CapturedFrame, frames.size()> captured{};
@@ -104,17 +104,17 @@ void BridgeProgram::hear() {
             captured[i] = {.frame = frames[i]};
             captured[i].frame.received += machine_.wall_minus_monotonic(frames[i].received);
         }
-        hear(std::span(captured).first(count), recording);
+        receive(std::span(captured).first(count), recording);
     }
     feed_.heard.up = machine_.hears.status().up;
-    listener_.tell(feed_.heard, time(), true, recording);
+    listener_.fill(feed_.heard, time(), true, recording);
     if (run_ && run_->recording) write_files();
 }
 
-void BridgeProgram::hear(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording) {
+void BridgeProgram::receive(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording) {
     if (mistake_ == BridgeMistake::keeps_wall_clock_stamps && recording != nullptr && !frames.empty())
         recording->label = rig::record::StampLabel(machine_.wall_minus_monotonic(machine_.now()));
-    listener_.hear(frames, recording);
+    listener_.receive(frames, recording);
     if (recording == nullptr) return;
     std::vector<Frame>& known = books_.of(attempt_).frames;
     for (const rig::record::CapturedFrame& one : frames) known.push_back(one.frame);

@@ -63,7 +63,7 @@ class BridgeProgram {
     /// What the client's thread does at each poll.
     void poll();
     /// What the recorder's thread does, and that of its files.
-    void hear();
+    void receive();
     /// The main loop.
     const rig::bridge::Moment& step();
 
@@ -101,7 +101,7 @@ class BridgeProgram {
     [[nodiscard]] std::optional<std::int64_t> next_number() const;
     void begin();
     void begin_record();
-    void hear(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording);
+    void receive(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording);
     void write_files();
     void close();
     void enter(const rig::record::Summary& summary);

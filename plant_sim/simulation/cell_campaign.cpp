@@ -258,7 +258,7 @@ class CellCampaign {
         }
         if (now < next_step_) return;
         next_step_ = now + rig::bridge::Node::kStep;
-        bridge_->hear();
+        bridge_->receive();
         if (now < loop_away_) return;
         (void)bridge_->step();
         if (disk_->runs()) follow();

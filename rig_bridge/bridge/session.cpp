@@ -82,7 +82,7 @@ const Moment& Session::step(rig::Sequencer* sequencer, const ManeuverRequest* re
     const std::int64_t number = request == nullptr ? 0 : request->number;
     const Moment& moment = node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                                       lockstep_ ? lockstep_->now() : clock_.now());
-    if (lockstep_) plc_->turn(lockstep_->taken());
+    if (lockstep_) plc_->turn(lockstep_->end_turn());
     if (panel_ != nullptr) tell_panel(moment, request == nullptr && sequencer == nullptr);
     if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
         terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));
