@@ -201,14 +201,14 @@ void Session::watch_rim(double standstill_mps) {
 void Session::tell_of_abort(const Ran& ran, const std::filesystem::path& folder, const std::string& outcome) {
     if (setup_.options.on_abort.empty()) return;
     const std::string next = ran.record_error.empty() ? ran.advice : ran.record_error + ". Next: make room, or give another disk; start again";
-    const std::vector<std::string> news = environment_of({.outcome = outcome,
-                                                          .cause = ran.summary.outcome,
-                                                          .next_step = next,
-                                                          .campaign = ran.summary.campaign,
-                                                          .maneuver = ran.summary.number,
-                                                          .folder = folder});
+    const std::vector<std::string> environment = environment_of({.outcome = outcome,
+                                                                 .cause = ran.summary.outcome,
+                                                                 .next_step = next,
+                                                                 .campaign = ran.summary.campaign,
+                                                                 .maneuver = ran.summary.number,
+                                                                 .folder = folder});
     std::string failure;
-    meanwhile([&] { failure = run_hook(setup_.options.on_abort, news); });
+    meanwhile([&] { failure = run_hook(setup_.options.on_abort, environment); });
     if (!failure.empty()) terminal_.say("rig-bridge: --on-abort failed: " + failure);
 }
 

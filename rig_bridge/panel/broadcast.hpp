@@ -30,7 +30,7 @@ class Broadcast {
 
   private:
     std::mutex mutex_;
-    std::condition_variable news_;
+    std::condition_variable changed_;
     std::deque<std::string> kept_;
     std::uint64_t first_ = 0;  // number of the oldest that is kept
     bool closed_ = false;

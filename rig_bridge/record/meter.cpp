@@ -81,7 +81,7 @@ void Meter::Shaft::update(const ShaftSample& sample, double now_s, double scale)
     const double speed = sample.speed_radps * scale;
     if (started_) way_ += 0.5 * (speed + speed_) * (now_s - last_s_);
     if (speed > kStands) {
-        ++moving_;
+        ++moving_updates_;
         moving_s_ = now_s;
     }
     started_ = true;
@@ -170,7 +170,7 @@ void Meter::start(const MeterSample& sample) {
     sliding_pressure_Pas_ = sliding_way_m_ = 0.0;
     peak_temperature_C_ = sample.brake_temperature_C;
     tail_.assign(1, sums_);
-    news_ = flywheel_.news();
+    motion_updates_ = flywheel_.motion_updates();
 }
 
 Work Meter::by_cells(const MeterSample& sample) const {
@@ -234,8 +234,8 @@ void Meter::integrate(const MeterSample& sample) {
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }
     if (work_balance_.silent() && !silent) tail_.clear();  // it had the other torque
-    if (flywheel_.news() != news_) {
-        news_ = flywheel_.news();
+    if (flywheel_.motion_updates() != motion_updates_) {
+        motion_updates_ = flywheel_.motion_updates();
         tail_.clear();
     }
     if (tail_.size() < kTail) tail_.push_back(sums_);

@@ -131,7 +131,7 @@ class Meter {
         [[nodiscard]] double speed() const { return speed_; }
         [[nodiscard]] const EdgeTrack& track() const { return track_; }
         [[nodiscard]] bool edges() const { return edges_; }
-        [[nodiscard]] std::uint64_t news() const { return edges_ ? track_.news() : moving_; }
+        [[nodiscard]] std::uint64_t motion_updates() const { return edges_ ? track_.edge_updates() : moving_updates_; }
         [[nodiscard]] double heard_s() const { return edges_ ? track_.heard_s() : heard_s_; }
         /// Instant and way at which it came to rest.
         [[nodiscard]] double rest_s() const;
@@ -147,7 +147,7 @@ class Meter {
         double last_s_ = 0.0;
         double heard_s_ = -std::numeric_limits<double>::infinity();
         double moving_s_ = 0.0;
-        std::uint64_t moving_ = 0;
+        std::uint64_t moving_updates_ = 0;
     };
     enum class State : std::uint8_t { waiting, braking, releasing, over };
 
@@ -205,7 +205,7 @@ class Meter {
     double ended_s_ = 0.0;
     double peak_temperature_C_ = 0.0;
     Figures final_;
-    std::uint64_t news_ = 0;
+    std::uint64_t motion_updates_ = 0;
     std::vector<Sums> tail_;  // since the flywheel's last edge: standstill lies among them; capacity kTail from the start
 };
 

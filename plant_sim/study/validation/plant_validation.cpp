@@ -128,7 +128,7 @@ class ShaftSpeed {
             reported_ = {time_s, time_s, static_cast<double>(input.speed_radps)};
         else
             track_.update(input.edge_count, input.edge_time, time_s);
-        if (track_.news() == 1) restart();
+        if (track_.edge_updates() == 1) restart();
     }
 
     /// From the end of the last window to the newest edge; none while no edge has come since.
