@@ -104,7 +104,7 @@ control::SlipConfig slip(const settings::Table& t) {
                           .low_speed_floor_mps = number(t, "low_speed_floor_mps", 0.0, 100.0),
                           .low_speed_slip = number(t, "low_speed_slip", 0.0, 0.5),
                           .runaway_per_s = number(t, "runaway_per_s", 0.0, 1e3),
-                          .restless_slip = number(t, "restless_slip", 0.0, 1.0),
+                          .max_held_slip_error = number(t, "restless_slip", 0.0, 1.0),
                           .answer_scale_per_s = number(t, "answer_scale_per_s", 0.1, 1e4),
                           .answer_filter_radps = number(t, "answer_filter_radps", 0.1, 200.0),
                           .rise_per_s = number(t, "rise_per_s", 0.0, 100.0),
