@@ -41,10 +41,10 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
         table.add(kNames.at(q), landings(f.landings_left.at(q)), f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
     text += fmt::format("Landings left, {:.3f} MJ each on average:\n{}", energy_J * 1e-6, table.text());
     constexpr double kDoubtful = 0.5;
-    if (f.alike < kDoubtful)
+    if (f.population_probability < kDoubtful)
         text += fmt::format(
             "This brake does not go as those did (of their kind with a probability of {:.0f} %): it is given their lives, and little else.\n",
-            100.0 * f.alike);
+            100.0 * f.population_probability);
     if (f.crossed_ever < 1.0)
         fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
                        f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,

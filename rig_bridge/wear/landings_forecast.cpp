@@ -52,7 +52,7 @@ void LandingsForecast::learn(const Point& point) {
     waiting_.push_back(expected_at(c_e_J_ + reach_J_));
 }
 
-double LandingsForecast::alike() const {
+double LandingsForecast::population_probability() const {
     const ForecastCalibration& c = population_->calibration;
     if (c.misfit_deviation <= 0.0) return 1.0;
     constexpr double kPrior = 0.8;
@@ -67,14 +67,14 @@ Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSetting
     Forecast out = wear::forecast(filter_, c_e_J_, mix, settings);
     const PastLives past(*population_, settings.limit);
     if (!past.known()) return out;
-    out.alike = alike();
+    out.population_probability = population_probability();
     double landing_J = 0.0;
     for (const LandingKind& kind : mix) landing_J += kind.share * kind.energy_J;
     std::vector<double> lives_J = past_lives_J(past, c_e_J_, out.energies_J.size());
     std::vector<double> lives = lives_J;
     for (double& n : lives) n = std::ceil((n - c_e_J_) / landing_J);
     const double share = share_of_life(c_e_J_, out.energies_J, lives_J);
-    const Correction correction{ForecastCalibration::at(population_->calibration.filter, share), out.alike,
+    const Correction correction{ForecastCalibration::at(population_->calibration.filter, share), out.population_probability,
                                 ForecastCalibration::at(population_->calibration.widening, share)};
     out.energies_J = corrected(std::move(out.energies_J), std::move(lives_J), c_e_J_, correction);
     out.landings = corrected(std::move(out.landings), std::move(lives), 0.0, correction);
@@ -101,8 +101,8 @@ std::vector<double> corrected(std::vector<double> filter, std::vector<double> li
     for (std::size_t i = 0; i < n; ++i) filter[i] = c.filter * filter[i] + (1.0 - c.filter) * lives[i];
     std::vector<std::pair<double, double>> pool;
     pool.reserve(2 * n);
-    for (const double x : filter) pool.emplace_back(x, c.alike);
-    for (const double x : lives) pool.emplace_back(x, 1.0 - c.alike);
+    for (const double x : filter) pool.emplace_back(x, c.population_probability);
+    for (const double x : lives) pool.emplace_back(x, 1.0 - c.population_probability);
     std::sort(pool.begin(), pool.end());
     double below = 0.0;
     std::size_t i = 0;
@@ -112,7 +112,7 @@ std::vector<double> corrected(std::vector<double> filter, std::vector<double> li
     }
     for (; i < n; ++i) filter[i] = pool.back().first;
     // Of brakes that are none of its kind nothing is known to correct.
-    const double factor = 1.0 + c.alike * (c.widening - 1.0);
+    const double factor = 1.0 + c.population_probability * (c.widening - 1.0);
     const double median = filter[n / 2];
     for (double& x : filter) x = std::max(now, median + factor * (x - median));
     return filter;

@@ -32,7 +32,7 @@ class LandingsForecast {
     /// Exponentially weighted mean square of the filter's standardised errors: about 1 for brakes of the population.
     [[nodiscard]] double misfit() const { return misfit_; }
     /// Probability that the brake is of the population's kind.
-    [[nodiscard]] double alike() const;
+    [[nodiscard]] double population_probability() const;
 
   private:
     struct Expected {
@@ -54,7 +54,7 @@ class LandingsForecast {
 [[nodiscard]] double share_of_life(double c_e_J, const std::vector<double>& filter_J, const std::vector<double>& lives_J);
 
 struct Correction {
-    double filter, alike, widening;
+    double filter, population_probability, widening;
 };
 /// Combines the filter's draws and as many past lives, both ascending, into one distribution; no value is below `now`.
 [[nodiscard]] std::vector<double> corrected(std::vector<double> filter, std::vector<double> lives, double now, const Correction& correction);

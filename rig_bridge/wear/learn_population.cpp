@@ -94,7 +94,7 @@ struct Asked {
     double now_J = 0.0;
     double truth_J = 0.0;
     double log_misfit = 0.0;
-    double alike = 1.0;
+    double population_probability = 1.0;
     std::vector<double> filter_J;
     std::vector<double> lives_J;
 
@@ -134,7 +134,7 @@ std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const st
                 brake.learn(p);
                 if (p.c_e_J < 0.1 * tenths * truth_J) continue;
                 Forecast f = forecast(brake.filter(), p.c_e_J, mix, ask);
-                by_brake[k].push_back({p.c_e_J, truth_J, std::log(brake.misfit()), brake.alike(), std::move(f.energies_J),
+                by_brake[k].push_back({p.c_e_J, truth_J, std::log(brake.misfit()), brake.population_probability(), std::move(f.energies_J),
                                        past_lives_J(past, p.c_e_J, static_cast<std::size_t>(settings.draws))});
                 if (++tenths > 9) break;
             }
@@ -162,7 +162,7 @@ double choose_filter_weight(const std::vector<Asked>& asked, ForecastCalibration
             double all = 0.0;
             for (const Asked& a : asked) {
                 const double near = nearness(a, k);
-                loss += near * a.loss({weight, a.alike, 1.0});
+                loss += near * a.loss({weight, a.population_probability, 1.0});
                 all += near;
             }
             if (loss / all >= least) continue;
@@ -208,14 +208,15 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
     double squares = 0.0;
     for (const Asked& a : asked) squares += std::pow(a.log_misfit - out.log_misfit, 2) / n;
     out.misfit_deviation = std::sqrt(squares);
-    // Again: how alike a brake is depends on the misfit that is known now.
+    // Again: the probability of the population depends on the misfit that is known now.
     asked = ask_left_out(campaigns, limits, population, threads);
     (void)choose_filter_weight(asked, out.filter);
     for (std::size_t k = 0; k < out.widening.size(); ++k) {
         constexpr double kMaxWidening = 5.0;
         std::vector<std::pair<double, double>> near;
         near.reserve(asked.size());
-        for (const Asked& a : asked) near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), nearness(a, k));
+        for (const Asked& a : asked)
+            near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.population_probability, 1.0}), nearness(a, k));
         // No brake more is counted, as split conformal prediction does: those left out had one life less to learn from than the next one has.
         // Never narrower: that brakes left out lay nearer than foretold may be chance.
         out.widening.at(k) = std::clamp(weighted_quantile(std::move(near), 0.8), 1.0, kMaxWidening);
