@@ -194,7 +194,7 @@ void Session::watch_rim(double standstill_mps) {
         view.note = rim_text(rim_mps, standstill_mps) + "; Ctrl-C ends the program at once";
         present(view, m);
     }
-    terminal_.leave();
+    terminal_.keep_block();
     terminal_.say("rig-bridge: " + rim_text(rim_mps, standstill_mps));
 }
 
@@ -239,7 +239,7 @@ Ran Session::run(const ManeuverRequest& request) {
         recording = recorder_.take();
     }
     meanwhile([&] { run.finish(recording->log, samples); }, run.sequencer(), &request);
-    terminal_.leave();
+    terminal_.keep_block();
     record_error_ = run.record_error();
     ran.record_error = record_error_;
 
