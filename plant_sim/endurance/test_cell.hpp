@@ -59,7 +59,7 @@ class TestCell {
 
   private:
     void measure(rig::Phase phase, const antiskid::can::RigSample& sample, rig::record::Meter& meter) const;
-    [[nodiscard]] rig::Inputs look() const;
+    [[nodiscard]] rig::Inputs sequencer_inputs() const;
     /// As the bridge's client does it: a new commit number where anything differs; the watchdog always moves.
     void command(const rig::Outputs& outputs, bool reset);
     void period(const rig::Outputs& outputs, rig::record::Meter& meter, const PeriodObserver& observe);

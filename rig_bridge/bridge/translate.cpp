@@ -51,7 +51,7 @@ bool interlocks_good(const modbus::Snapshot& plc, const Freshness& limits) {
     return true;
 }
 
-Inputs look(const modbus::Snapshot& plc, const BusNow& bus, Time now, const Freshness& limits) {
+Inputs sequencer_inputs(const modbus::Snapshot& plc, const BusNow& bus, Time now, const Freshness& limits) {
     Inputs in;
     in.plc_fresh = plc_fresh(plc, limits);
     if (in.plc_fresh) {
@@ -101,7 +101,7 @@ CommandedValues commands(const Outputs& out, bool reset) {
     return values;
 }
 
-RigSample telegram(const Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number) {
+RigSample rig_sample(const Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number) {
     RigSample sample;
     sample.maneuver.law = static_cast<antiskid::control::Law>(out.law);
     sample.maneuver.arm = out.arm;
