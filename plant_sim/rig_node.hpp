@@ -42,12 +42,12 @@ class RigNode {
             antiskid::control::Time period);
 
     /// One sample, one SYNC, one answer: same seed, same bytes, at any speed of the machine. The first cycle is repeated, with the same
-    /// bytes, until the controller is there, at most for `patience`; every later answer must come within `answer_timeout`.
-    NodeResult run_lockstep(antiskid::control::Time answer_timeout, antiskid::control::Time patience, const std::atomic<bool>& stop,
+    /// bytes, until the controller is there, at most for `start_timeout`; every later answer must come within `answer_timeout`.
+    NodeResult run_lockstep(antiskid::control::Time answer_timeout, antiskid::control::Time start_timeout, const std::atomic<bool>& stop,
                             const NodeObserver& observe);
 
     /// By the machine's clock. The valve's driver falls back to no current when no command came for kDriverWatchdog.
-    NodeResult run_realtime(antiskid::control::Time patience, const std::atomic<bool>& stop, const NodeObserver& observe);
+    NodeResult run_realtime(antiskid::control::Time start_timeout, const std::atomic<bool>& stop, const NodeObserver& observe);
 
     static constexpr antiskid::control::Time kDriverWatchdog{20'000'000};
 
@@ -56,7 +56,7 @@ class RigNode {
 
     [[nodiscard]] Cycle next_cycle(bool with_sync);
     /// All frames of a cycle, waiting for room in the queue where it must; false when the link takes no more.
-    bool send_all(const Cycle& cycle, antiskid::control::Time patience, const std::atomic<bool>& stop);
+    bool send_all(const Cycle& cycle, antiskid::control::Time timeout, const std::atomic<bool>& stop);
     /// What has arrived; where nothing has, the first to arrive within `timeout`.
     void receive(antiskid::control::Time timeout = {});
     bool wait_for_answer(std::uint64_t answers, antiskid::control::Time timeout, const std::atomic<bool>& stop);

@@ -82,7 +82,7 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     const settings::Table reference = root.table("reference");
     config.rules.default_reference = reference.number("default", {.min = 0.01, .max = 0.5});
     config.rules.step = reference.number("step", {.min = 0.001, .max = 0.5});
-    config.rules.patience = reference.integer<int>("patience_landings", {.min = 0, .max = 1000});
+    config.rules.max_unmeasured_landings = reference.integer<int>("patience_landings", {.min = 0, .max = 1000});
     const settings::Table measurement = root.table("measurement");
     config.rules.energy_tolerance = measurement.number("books_tolerance", {.min = 0.001, .max = 0.9});
     config.rules.adaptation = measurement.number("adaptation", {.min = 0.001, .max = 1.0});

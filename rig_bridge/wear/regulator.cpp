@@ -42,7 +42,7 @@ Regulator::Regulator(const WearPlan& plan, const Rules& rules, const Range& rang
     need(std::isfinite(plan.landing_deviation_J) && plan.landing_deviation_J >= 0.0, "the deviation of a landing's energy must not be negative");
     need(plan.tolerance > 0.0 && plan.tolerance < 1.0, "the tolerance must be between 0 and 1");
     need(rules.step > 0.0 && rules.step <= 0.5, "the step must be above 0 and at most 0.5");
-    need(rules.patience >= 0, "the patience must not be negative");
+    need(rules.max_unmeasured_landings >= 0, "the greatest number of unmeasured landings must not be negative");
     need(rules.energy_tolerance > 0.0 && rules.energy_tolerance < 1.0, "the energy tolerance must be between 0 and 1");
     need(rules.adaptation > 0.0 && rules.adaptation <= 1.0, "the adaptation must be above 0 and at most 1");
     need(range.lowest > 0.0 && range.highest <= 0.5, "references must lie above 0 and not above 0.5");
@@ -133,7 +133,7 @@ Reading Regulator::after(const Landing& landing) {
     if (last_reading_ != Reading::measured) {
         ++missed_;
         estimate(landing);
-        move(missed_ >= rules_.patience ? rules_.default_reference : reference_, reference_);
+        move(missed_ >= rules_.max_unmeasured_landings ? rules_.default_reference : reference_, reference_);
         return last_reading_;
     }
     missed_ = 0;
