@@ -1,4 +1,4 @@
-/// What must hold in every period of a cell, whatever fails in it.
+/// Invariants of a cell in every period, whatever fails in it.
 #pragma once
 
 #include <functional>
@@ -12,27 +12,27 @@
 
 namespace plant_sim::simulation {
 
-/// Of one period.
+/// State of one period.
 struct CellNow {
     antiskid::control::Time now{};
-    bool loop_lives = false;  ///< the bridge's
+    bool loop_lives = false;  ///< the bridge's main loop runs
     bool plc_answers = false;
     bool controller_lives = false;
-    unsigned open = 0;                          ///< interlocks
-    const rig::Sequencer* sequencer = nullptr;  ///< none: nothing runs
+    unsigned open = 0;                          ///< open interlocks, as bits
+    const rig::Sequencer* sequencer = nullptr;  ///< null: no maneuver is running
 };
 
 class CellJudge {
   public:
     using Sink = std::function<void(const std::string&)>;
 
-    /// All must outlive it.
+    /// All arguments must outlive it. `violated` gets a line for each violation.
     CellJudge(const CellSetup& setup, const rig::Plan& plan, const plc::ServedRig& rig, Sink violated);
 
-    /// Frames as they come whole.
+    /// Call for each undamaged frame that the controller, or the rig, receives.
     void controller_hears(const antiskid::can::Frame& frame) { permission_.accept(frame); }
     void rig_hears(const antiskid::can::Frame& frame);
-    /// Bridge or controller starts anew.
+    /// Call when bridge or controller restarts.
     void starts_anew() { permission_.forget(); }
 
     void look(const CellNow& cell);

@@ -1,4 +1,4 @@
-/// Whether the controller has been told that it may brake, by the frames that have reached it whole.
+/// Time at which the controller last got the permission to brake, by the frames that it received undamaged.
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ class Permission {
         if (!arm) stopped_ = false;
         if (arm && !stopped_) granted_ = frame.received;
     }
-    /// A program at one of the two ends starts anew, and takes or begins any alive counter.
+    /// Call when a program at either end restarts: any alive counter is then accepted.
     void forget() { heard_.emplace(layout_); }
     [[nodiscard]] antiskid::control::Time granted() const { return granted_; }
 

@@ -1,4 +1,4 @@
-/// The clocks of a computer, passed by hand.
+/// Clocks of a computer, advanced by calls.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace plant_sim::simulation {
 
-/// Monotonic, and a wall clock that is set.
+/// A monotonic clock, and a wall clock that can be set.
 class SimulatedClock final : public antiskid::host::Clock {
   public:
     using Time = antiskid::control::Time;
@@ -26,7 +26,7 @@ class SimulatedClock final : public antiskid::host::Clock {
 
   private:
     Time now_{1'000'000'000};
-    std::vector<std::pair<Time, Time>> sets_{{Time{}, Time{1'764'000'000'000'000'000}}};  // since when, and to what
+    std::vector<std::pair<Time, Time>> sets_{{Time{}, Time{1'764'000'000'000'000'000}}};  // start of each offset, and the offset
 };
 
 }  // namespace plant_sim::simulation
