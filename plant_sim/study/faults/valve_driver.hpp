@@ -1,4 +1,4 @@
-/// The valve's driver, as a rig must have it (docs/engineering/fault_campaign.md).
+/// The valve's driver that a rig must have (docs/engineering/fault_campaign.md).
 #pragma once
 
 #include "firmware/can/controller_view.hpp"
@@ -6,14 +6,14 @@
 
 namespace faults {
 
-/// Gives the commanded current; none when no command was accepted for kSilence, and while more than kMaxRefused commands were refused
-/// beyond those that were accepted: of many old or corrupt ones some pass their checks by chance.
+/// Outputs the commanded current. Outputs none if no command was accepted for kSilence, and while more than kMaxRejected more commands were rejected
+/// than accepted: of many old or corrupt ones some pass their checks by chance.
 class ValveDriver {
   public:
     static constexpr antiskid::control::Time kSilence{20'000'000};
     static constexpr std::uint32_t kMaxRejected = 20;
 
-    /// Once a period, after the frames of that period.
+    /// Call once a period, after the frames of that period.
     void update(const antiskid::can::ControllerView& controller, const antiskid::can::MessageStats& stats, antiskid::control::Time now) {
         const std::uint32_t more = stats.rejected() - rejected_;
         rejected_ = stats.rejected();
