@@ -65,7 +65,7 @@ class NotIdentifiable : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Throws NotIdentifiable for a recording with a value that is NaN, or with decreasing time.
+/// Throws NotIdentifiable for a recording with a value that is not finite, or with decreasing time.
 void check(const Recording& recording);
 
 }  // namespace identification
