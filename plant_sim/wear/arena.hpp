@@ -1,4 +1,4 @@
-/// Forecasts against each other on lives by laws that none of them was made from (rival_laws.hpp).
+/// Compares forecasts on lives by laws that none of the forecasts was made from (rival_laws.hpp).
 #pragma once
 
 #include <optional>
@@ -10,25 +10,25 @@
 namespace wear::arena {
 
 enum class Entrant : std::uint8_t {
-    persistence,   ///< the next friction is the newest
-    past_lives,    ///< the training lives, landing by landing; their length as a lognormal
-    nearest,       ///< the mixture of eq. (14), fitted to one training life, from the nearest component
-    mixture,       ///< likewise, from all components
-    local_linear,  ///< Kalman smoother of level and slope in this life alone
-    filter,        ///< the filter and its forecast, learnt from the training lives
-    shipped,       ///< likewise, with past lives and calibration: what `rig-lab wear forecast` says
-    oracle,        ///< told the law and the brake's own state; knows neither scatter nor landings to come
+    persistence,   ///< the next friction equals the newest
+    past_lives,    ///< the training lives by landing; their length as a lognormal distribution
+    nearest,       ///< the mixture of eq. (14), fitted to one training life; forecast from the nearest component
+    mixture,       ///< the same, from all components
+    local_linear,  ///< Kalman smoother of level and slope, from this life only
+    filter,        ///< filter and forecast, learnt from the training lives
+    shipped,       ///< the same with past lives and calibration, as `rig-lab wear forecast`
+    oracle,        ///< knows the law and the brake's state, but neither scatter nor later landings
 };
 constexpr std::array<const char*, 8> kEntrantNames{"persistence", "past_lives", "nearest", "mixture", "local_linear", "filter", "shipped", "oracle"};
 
-constexpr std::size_t kTenths = 9;  ///< asked at 10 to 90 % of life
+constexpr std::size_t kTenths = 9;  ///< forecasts are made at 10 to 90 % of life
 
 struct LeftScore {
     std::size_t asked = 0;
-    double held = 0.0;   ///< share of truths in the 10 to 90 % interval
-    double width = 0.0;  ///< of it, landings, mean
+    double held = 0.0;   ///< share of true values in the 10 to 90 % interval
+    double width = 0.0;  ///< mean width of the interval, landings
     double crps = 0.0;   ///< mean, landings
-    double skill = 0.0;  ///< CRPS gained on past lives, over what the oracle gains
+    double skill = 0.0;  ///< reduction of CRPS against past_lives, relative to that of the oracle
 };
 
 struct Score {
@@ -36,25 +36,25 @@ struct Score {
     double log_score = 0.0;  ///< -log p, mean; less is better
     double pit = 0.0;        ///< Kolmogorov's distance of the probability integral transform from uniform
     std::array<LeftScore, kTenths> left{};
-    bool forecasts = false;  ///< whether it says how many landings are left
+    bool forecasts = false;  ///< whether it forecasts the landings left
 };
 
 struct Plan {
     Settings settings;
     std::vector<Law> laws;
-    std::uint64_t judged_seed = 0;   ///< first
-    std::size_t training_lives = 0;  ///< of a law, at least 3
-    std::size_t judged_lives = 0;    ///< of a law
-    bool watch = false;              ///< find faults, too
+    std::uint64_t judged_seed = 0;   ///< seed of the first judged life
+    std::size_t training_lives = 0;  ///< per law, at least 3
+    std::size_t judged_lives = 0;    ///< per law
+    bool watch = false;              ///< also judges the detection of faults
     unsigned threads = 1;            ///< the result does not depend on it
 };
 
 using Scores = std::array<Score, kEntrantNames.size()>;
 struct Result {
     Scores within;                                     ///< trained on the judged law
-    std::optional<Scores> across;                      ///< trained on each other law in turn; none: one law
+    std::optional<Scores> across;                      ///< trained on each other law in turn; none: there is only one law
     std::vector<Scores> within_by_law, across_by_law;  ///< by the judged law, in the plan's order
-    std::vector<WatchScore> watch;                     ///< by law; none unless the plan asks
+    std::vector<WatchScore> watch;                     ///< by law; empty unless the plan requests it
 };
 [[nodiscard]] Result run(const Plan& plan);
 
