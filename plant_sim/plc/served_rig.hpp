@@ -1,7 +1,7 @@
 /// The complete rig: the plant, the machines around it, and the PLC that controls them. It runs any number of maneuvers; the brake keeps its wear.
 /// `virtual-rig serve` connects it to CAN and Modbus; in one process it is as fast as the plant.
 ///
-///     plc::ServedRig rig(loaded, plc::load_served_rig(config, loaded), seed);
+///     plc::ServedRig rig(loaded, plc::load_served_rig(config, plc::Bench::endurance), seed);
 ///     for (;;) {
 ///         rig.command(registers);                    // SI values of the holding registers, watchdog and commit among them
 ///         rig.advance(valve_current_mA);             // one period
