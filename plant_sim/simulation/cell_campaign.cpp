@@ -80,9 +80,9 @@ class CellCampaign {
             check_numbers();
         }
         out_.simulated_s = seconds(clock_.now());
-        for (const std::uint64_t frames : bus_.struck()) out_.frames_struck += frames;
-        for (const std::uint64_t requests : line_.struck) out_.requests_struck += requests;
-        out_.disk_struck = disk_->struck();
+        for (const std::uint64_t frames : bus_.fault_counts()) out_.faulted_frames += frames;
+        for (const std::uint64_t requests : line_.fault_counts) out_.faulted_requests += requests;
+        out_.disk_fault_counts = disk_->fault_counts();
         out_.damaged = books_.damaged();
         out_.operations = disk_->operations();
         return std::move(out_);
@@ -128,8 +128,8 @@ class CellCampaign {
         if (fault.fault == CellFault::clock_set) clock_.set_wall(duration(begins ? fault.set_s : -fault.set_s));
         if (!begins) {
             const std::vector<PlannedFault> left = faults_.active();
-            const auto strikes = [](const PlannedFault& other) { return of_disk(other.fault); };
-            if (of_disk(fault.fault) && std::none_of(left.begin(), left.end(), strikes)) disk_->calm();
+            const auto is_of_disk = [](const PlannedFault& other) { return of_disk(other.fault); };
+            if (of_disk(fault.fault) && std::none_of(left.begin(), left.end(), is_of_disk)) disk_->clear_faults();
             return;
         }
         ++out_.begun.at(static_cast<std::size_t>(fault.fault));
@@ -153,28 +153,28 @@ class CellCampaign {
                 loop_away_ = until;
                 break;
             default:
-                if (of_disk(fault.fault)) strike(fault);
+                if (of_disk(fault.fault)) inject(fault);
                 break;
         }
     }
 
-    void strike(const PlannedFault& fault) {
+    void inject(const PlannedFault& fault) {
         constexpr std::array kKinds{DiskFault::power_cut, DiskFault::kill, DiskFault::no_space, DiskFault::refused, DiskFault::short_write};
         const DiskFault kind = kKinds.at(static_cast<std::size_t>(fault.fault) - static_cast<std::size_t>(CellFault::power_cut));
-        disk_->strike_soon(fault.operation, kind, kind == DiskFault::no_space ? fault.operations : 1);
+        disk_->inject_soon(fault.operation, kind, kind == DiskFault::no_space ? fault.operations : 1);
         if (kind == DiskFault::power_cut || kind == DiskFault::kill) down_ = duration(fault.lasts_s);
     }
 
     /// What lasts.
     void apply() {
-        for (FaultyBus::End* const end : {&at_rig_, &at_controller_, &bridge_sends_, &bridge_hears_}) end->calm();
+        for (FaultyBus::End* const end : {&at_rig_, &at_controller_, &bridge_sends_, &bridge_hears_}) end->clear_faults();
         line_.shares.fill(0.0);
         line_.reachable = true;
         frozen_ = false;
         open_ = 0;
         std::array<bool, kPartyNames.size()> up{true, true, true};
         for (const PlannedFault& p : faults_.active()) {
-            if (p.fault < CellFault::off_bus) end_of(p.party).strike(static_cast<FrameFault>(p.fault), p.share);
+            if (p.fault < CellFault::off_bus) end_of(p.party).set_share(static_cast<FrameFault>(p.fault), p.share);
             if (p.fault == CellFault::off_bus) up.at(static_cast<std::size_t>(p.party)) = false;
             if (p.fault >= CellFault::requests_lost && p.fault <= CellFault::requests_doubled)
                 line_.shares.at(static_cast<std::size_t>(p.fault) - static_cast<std::size_t>(CellFault::requests_lost)) = p.share;

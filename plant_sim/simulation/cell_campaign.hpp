@@ -53,8 +53,8 @@ struct CellOutcome {
     double simulated_s = 0.0;
     std::map<std::string, std::int64_t> aborts;                ///< by cause
     std::array<std::int64_t, kCellFaultNames.size()> begun{};  ///< faults, by kind
-    std::uint64_t frames_struck = 0, requests_struck = 0;
-    std::array<std::uint64_t, kDiskFaultNames.size()> disk_struck{};
+    std::uint64_t faulted_frames = 0, faulted_requests = 0;
+    std::array<std::uint64_t, kDiskFaultNames.size()> disk_fault_counts{};
 
     CellOutcome& operator+=(const CellOutcome& other);
 };

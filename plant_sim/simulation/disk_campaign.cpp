@@ -53,10 +53,10 @@ class DiskCampaign {
     CampaignOutcome run() {
         const std::uint64_t failing = 1 + below(6);
         for (std::uint64_t start = 0; start < failing && !complete_; ++start) {
-            strike();
+            inject();
             once();
         }
-        disk_->calm();
+        disk_->clear_faults();
         constexpr int kClean = 2;  // a refusal that the first one is still told of
         for (int i = 0; i < kClean && !complete_; ++i) once();
         if (!complete_) violated("the campaign does not come to its end though nothing fails any more");
@@ -64,7 +64,7 @@ class DiskCampaign {
         restart();
         check();
         out_.operations = disk_->operations();
-        out_.struck = disk_->struck();
+        out_.fault_counts = disk_->fault_counts();
         out_.damaged = books_.damaged();
         return std::move(out_);
     }
@@ -80,13 +80,13 @@ class DiskCampaign {
     }
     [[nodiscard]] rig::record::LedgerOptions options() const { return {.durable = hands_.durable, .busy_timeout_ms = 0, .storage = storage_}; }
 
-    void strike() {
+    void inject() {
         constexpr std::uint64_t kOperations = 60;  // of one maneuver, about
         const auto when = [this] { return 1 + below(kOperations * static_cast<std::uint64_t>(planned_)); };
-        if (below(3) != 0) disk_->strike(when(), below(3) == 0 ? DiskFault::kill : DiskFault::power_cut);
+        if (below(3) != 0) disk_->inject(when(), below(3) == 0 ? DiskFault::kill : DiskFault::power_cut);
         if (below(2) != 0) return;
         const auto fault = static_cast<DiskFault>(2 + below(3));
-        disk_->strike(when(), fault, fault == DiskFault::no_space ? 1 + below(30) : 1);
+        disk_->inject(when(), fault, fault == DiskFault::no_space ? 1 + below(30) : 1);
     }
 
     /// The program, until it ends; and what it has left.
@@ -100,7 +100,7 @@ class DiskCampaign {
             if (disk_->runs()) ++out_.refusals;
         }
         if (!disk_->runs()) restart();
-        disk_->calm();
+        disk_->clear_faults();
         check();
     }
 
@@ -211,7 +211,7 @@ CampaignOutcome& CampaignOutcome::operator+=(const CampaignOutcome& other) {
     operations += other.operations;
     damaged += other.damaged;
     refusals += other.refusals;
-    for (std::size_t i = 0; i < struck.size(); ++i) struck.at(i) += other.struck.at(i);
+    for (std::size_t i = 0; i < fault_counts.size(); ++i) fault_counts.at(i) += other.fault_counts.at(i);
     return *this;
 }
 

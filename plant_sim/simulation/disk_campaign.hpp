@@ -40,7 +40,7 @@ struct CampaignOutcome {
     std::uint64_t operations = 0;
     std::uint64_t damaged = 0;   ///< number of readings of logs that reported damage
     std::uint64_t refusals = 0;  ///< programs that ended because the disk refused
-    std::array<std::uint64_t, kDiskFaultNames.size()> struck{};
+    std::array<std::uint64_t, kDiskFaultNames.size()> fault_counts{};
 
     CampaignOutcome& operator+=(const CampaignOutcome& other);
 };

@@ -35,15 +35,15 @@ std::optional<DiskFault> DiskState::next(Kind kind) {
     if (paused) return std::nullopt;
     ++operations;
     ++since_restart;
-    for (auto strike = strikes.begin(); strike != strikes.end(); ++strike) {
-        if (since_restart < strike->at) continue;
-        const DiskFault fault = strike->fault;
+    for (auto due = pending.begin(); due != pending.end(); ++due) {
+        if (since_restart < due->at) continue;
+        const DiskFault fault = due->fault;
         if (fault == DiskFault::no_space && kind != Kind::write && kind != Kind::create) continue;
         if (fault == DiskFault::short_write && kind != Kind::write) continue;
         const bool ends = fault == DiskFault::power_cut || fault == DiskFault::kill;
         if (kind == Kind::must_not_fail && !ends) continue;
-        ++struck.at(static_cast<std::size_t>(fault));
-        if (--strike->lasts == 0) strikes.erase(strike);
+        ++fault_counts.at(static_cast<std::size_t>(fault));
+        if (--due->lasts == 0) pending.erase(due);
         runs = runs && !ends;
         killed_ = fault == DiskFault::kill;
         return fault;
@@ -174,10 +174,10 @@ void DiskState::kill() {
 }
 
 void DiskState::restart() {
-    if (runs) ++struck.at(static_cast<std::size_t>(DiskFault::power_cut));
+    if (runs) ++fault_counts.at(static_cast<std::size_t>(DiskFault::power_cut));
     if (!std::exchange(killed_, false)) lose_cache();
     held.clear();
-    strikes.clear();
+    pending.clear();
     since_restart = 0;
     runs = true;
 }

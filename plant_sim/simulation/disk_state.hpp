@@ -37,7 +37,7 @@ struct NameChange {
     NodePointer node{};
 };
 
-struct Strike {
+struct PendingFault {
     std::uint64_t at;
     DiskFault fault;
     std::uint64_t lasts;
@@ -68,8 +68,8 @@ struct DiskState {
     SqliteLapse lapse = SqliteLapse::none;
     std::uint64_t operations = 0;
     std::uint64_t since_restart = 0;
-    std::vector<Strike> strikes{};
-    std::array<std::uint64_t, kDiskFaultNames.size()> struck{};
+    std::vector<PendingFault> pending{};
+    std::array<std::uint64_t, kDiskFaultNames.size()> fault_counts{};
     std::map<std::string, NodePointer> names{};
     std::set<std::string> held{};
     std::shared_ptr<AllocationGate> gate = std::make_shared<AllocationGate>();

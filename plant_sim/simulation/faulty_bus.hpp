@@ -34,8 +34,8 @@ class FaultyBus {
         /// While it is down it neither sends nor receives; frames under way to it are lost.
         void set_up(bool up);
         /// Sets the share of the frames sent to this end that get `fault`.
-        void strike(FrameFault fault, double share) { shares_.at(static_cast<std::size_t>(fault)) = share; }
-        void calm() { shares_.fill(0.0); }
+        void set_share(FrameFault fault, double share) { shares_.at(static_cast<std::size_t>(fault)) = share; }
+        void clear_faults() { shares_.fill(0.0); }
         /// Frames of `sender` always arrive undamaged: both ends are sockets of one computer, whose kernel echoes the frames.
         void on_computer_of(const End& sender) { neighbour_ = &sender; }
 
@@ -67,14 +67,14 @@ class FaultyBus {
     /// Adds an end, owned by the bus. `deaf`: it does not receive.
     [[nodiscard]] End& connect(bool deaf = false) { return ends_.emplace_back(*this, deaf); }
     void set_time(antiskid::can::Time now) { now_ = now; }
-    [[nodiscard]] const std::array<std::uint64_t, kFrameFaults>& struck() const { return struck_; }
+    [[nodiscard]] const std::array<std::uint64_t, kFrameFaults>& fault_counts() const { return fault_counts_; }
 
   private:
     wear::Generator& draw_;
     Witness witness_;
     std::deque<End> ends_;
     antiskid::can::Time now_{};
-    std::array<std::uint64_t, kFrameFaults> struck_{};
+    std::array<std::uint64_t, kFrameFaults> fault_counts_{};
 };
 
 }  // namespace plant_sim::simulation

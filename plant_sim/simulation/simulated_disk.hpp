@@ -2,7 +2,7 @@
 /// drawn from a seed.
 ///
 ///     const auto disk = std::make_shared<SimulatedDisk>(seed);
-///     disk->strike(37, DiskFault::power_cut);
+///     disk->inject(37, DiskFault::power_cut);
 ///     ... write through it as settings::Storage, SQLite through sqlite_vfs() ...
 ///     if (!disk->runs()) disk->restart();   // now it holds what was left
 ///
@@ -49,17 +49,17 @@ class SimulatedDisk final : public settings::Storage {
 
     /// Schedules a fault for the first operation that it can affect, from the `at`-th changing operation after the newest restart() on, counted from
     /// 1. `lasts`: number of operations affected by `no_space`.
-    void strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
+    void inject(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
     /// The same, counted from the present operation.
-    void strike_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts = 1) const;
+    void inject_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts = 1) const;
     /// Kills the program now, outside of any operation.
     void kill() const;
     /// While paused, operations are not counted and no fault occurs.
     void pause(bool on) const;
     /// Removes pending faults and restarts the count of operations.
-    void calm() const;
+    void clear_faults() const;
     /// Number of faults that occurred, by kind.
-    [[nodiscard]] const std::array<std::uint64_t, kDiskFaultNames.size()>& struck() const;
+    [[nodiscard]] const std::array<std::uint64_t, kDiskFaultNames.size()>& fault_counts() const;
     [[nodiscard]] std::uint64_t operations() const;  ///< since construction
 
     /// False after a power cut or a kill; every operation then fails.

@@ -27,7 +27,7 @@ struct LineState {
     bool reachable = true;
     rig::modbus::ClockTime now{};
     rig::modbus::ClockTime busy_until{};
-    std::array<std::uint64_t, kRequestFaults> struck{};
+    std::array<std::uint64_t, kRequestFaults> fault_counts{};
 };
 
 class SimulatedLine final : public rig::modbus::PlcLine {
@@ -41,7 +41,7 @@ class SimulatedLine final : public rig::modbus::PlcLine {
     [[nodiscard]] int receive(std::span<std::uint8_t, kMaxFrame> frame, std::size_t& size) override;
 
   private:
-    [[nodiscard]] bool strikes(RequestFault fault);
+    [[nodiscard]] bool occurs(RequestFault fault);
     void answer(std::span<const std::uint8_t> request);
 
     rig::modbus::RegisterBank& bank_;

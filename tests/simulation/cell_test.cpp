@@ -93,14 +93,14 @@ TEST_CASE("whatever fails in a cell, no brake without permission, nothing lost o
     }
     CHECK(sum.finished > 120);
     CHECK(sum.attempts > sum.finished);
-    CHECK(sum.frames_struck > 1000);
-    CHECK(sum.requests_struck > 100);
+    CHECK(sum.faulted_frames > 1000);
+    CHECK(sum.faulted_requests > 100);
     CHECK(sum.aborts.size() > 5);
     CHECK(sum.starts > 150);
     CHECK(sum.damaged > 0);
     CHECK(sum.refusals > 0);
     for (const std::int64_t times : sum.begun) CHECK(times > 0);
-    for (const std::uint64_t times : sum.disk_struck) CHECK(times > 0);
+    for (const std::uint64_t times : sum.disk_fault_counts) CHECK(times > 0);
 }
 
 TEST_CASE("seeds of cells in which something did not hold once", "[BRG-702]") {
@@ -116,7 +116,7 @@ TEST_CASE("without a fault each maneuver of a cell finishes at its first attempt
     const CellOutcome outcome = run_cell_campaign(sound(), 1, {});
     CHECK(outcome.violations.empty());
     CHECK(outcome.attempts == outcome.finished);
-    CHECK(outcome.frames_struck + outcome.requests_struck == 0);
+    CHECK(outcome.faulted_frames + outcome.faulted_requests == 0);
 }
 
 TEST_CASE("the same seed is the same campaign of a cell", "[BRG-702]") {

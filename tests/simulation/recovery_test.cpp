@@ -77,11 +77,11 @@ TEST_CASE("what the ledger refused is not in it, and what may be in it is named"
         Ledger ledger("/runs/campaign.sqlite", on(disk));
         (void)ledger.open_campaign(kCampaign, rig::record::IfChanged::reject);
         (void)ledger.begin(1, "2026");
-        disk->calm();
-        disk->strike(at, DiskFault::refused);
+        disk->clear_faults();
+        disk->inject(at, DiskFault::refused);
         try {
             ledger.finish(summary());
-            if (disk->struck()[static_cast<std::size_t>(DiskFault::refused)] == 0) break;
+            if (disk->fault_counts()[static_cast<std::size_t>(DiskFault::refused)] == 0) break;
         } catch (const rig::record::LedgerInDoubt&) {
             in_doubt = true;
         } catch (const rig::record::LedgerError&) {
@@ -103,9 +103,9 @@ TEST_CASE("what SQLite lets be: the name of its journal refused, and the power c
             Ledger ledger("/runs/campaign.sqlite", options);
             (void)ledger.open_campaign(kCampaign, rig::record::IfChanged::reject);
             (void)ledger.begin(1, "2026");
-            disk->calm();
-            disk->strike(kNameOfJournal, DiskFault::refused);
-            disk->strike(kNameOfJournal + 5, DiskFault::power_cut);
+            disk->clear_faults();
+            disk->inject(kNameOfJournal, DiskFault::refused);
+            disk->inject(kNameOfJournal + 5, DiskFault::power_cut);
             CHECK_THROWS_AS(ledger.finish(summary()), rig::record::LedgerError);
         }
         disk->restart();
