@@ -16,10 +16,10 @@ class AllocationGate {
     /// Sets the kind for its lifetime.
     class Scope {
       public:
-        Scope(AllocationGate& gate, bool counts) : gate_(gate), before_(std::exchange(gate.counts_, counts)) { gate_.tell(); }
+        Scope(AllocationGate& gate, bool counts) : gate_(gate), before_(std::exchange(gate.counts_, counts)) { gate_.notify(); }
         ~Scope() {
             gate_.counts_ = before_;
-            gate_.tell();
+            gate_.notify();
         }
         Scope(const Scope&) = delete;
         Scope& operator=(const Scope&) = delete;
@@ -32,7 +32,7 @@ class AllocationGate {
     [[nodiscard]] Scope simulation() { return {*this, false}; }
 
   private:
-    void tell() const {
+    void notify() const {
         if (hook_) hook_(counts_);
     }
     Hook hook_;

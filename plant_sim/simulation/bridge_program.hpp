@@ -12,7 +12,7 @@
 
 #include "firmware/can/bus.hpp"
 #include "plant_sim/simulation/allocation_gate.hpp"
-#include "plant_sim/simulation/campaign_books.hpp"
+#include "plant_sim/simulation/campaign_audit.hpp"
 #include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/maneuver_record.hpp"
 #include "rig_bridge/bridge/maneuver_run.hpp"
@@ -25,21 +25,21 @@ namespace plant_sim::simulation {
 /// Seeded mistakes of the bridge, for tests of the invariants.
 enum class BridgeMistake : std::uint8_t {
     none,
-    leads_no_plc_back,           ///< does not reset a tripped PLC
-    proves_life_without_loop,    ///< the client's watchdog counts also without the main loop
-    counts_by_itself,            ///< computes the next maneuver's number from the number of begun ones, instead of the ledger
+    leaves_plc_tripped,          ///< does not reset a tripped PLC
+    watchdog_without_loop,       ///< the client's watchdog counts also without the main loop
+    numbers_maneuvers_itself,    ///< computes the next maneuver's number from the number of begun ones, instead of the ledger
     forgets_energy_left,         ///< of an attempt that a dead bridge left
     counts_energy_left_twice,    ///< once for that attempt, once in the next
     enters_before_it_is_synced,  ///< enters a maneuver before its recording is synced
     keeps_wall_clock_stamps,     ///< does not correct the recording's time stamps when the wall clock is set
     waits_by_wall_clock,         ///< for timeouts
-    overlooks_no_memory,         ///< ignores a failed allocation when entering a maneuver
+    ignores_no_memory,           ///< ignores a failed allocation when entering a maneuver
 };
 
 /// The computer on which it runs.
 struct BridgeMachine {
-    antiskid::can::Bus& sends;  ///< two sockets of one computer
-    antiskid::can::Bus& hears;
+    antiskid::can::Bus& send_bus;  ///< two sockets of one computer
+    antiskid::can::Bus& receive_bus;
     std::function<antiskid::can::Time()> now;  ///< monotonic
     /// Offset of the wall clock, for a monotonic time.
     std::function<antiskid::can::Time(antiskid::can::Time)> wall_minus_monotonic;
@@ -58,7 +58,7 @@ class BridgeProgram {
     /// Opens the ledger and settles attempts that a previous bridge left. All references must outlive it. Any exception, here and below, ends the
     /// program.
     BridgeProgram(const rig::bridge::BridgeSetup& setup, BridgeCampaign campaign, BridgeMachine machine, std::unique_ptr<rig::modbus::PlcLine> line,
-                  CampaignBooks& books, BridgeMistake mistake);
+                  CampaignAudit& audit, BridgeMistake mistake);
 
     /// One poll of the client's thread.
     void poll();
@@ -82,8 +82,8 @@ class BridgeProgram {
         rig::modbus::ModbusClient client;
     };
     struct Feed final : rig::bridge::BusFeed {
-        [[nodiscard]] rig::bridge::BusNow now() const override { return heard; }
-        rig::bridge::BusNow heard;
+        [[nodiscard]] rig::bridge::BusNow now() const override { return state; }
+        rig::bridge::BusNow state;
     };
     struct Run {
         rig::bridge::ManeuverRequest request;
@@ -95,7 +95,7 @@ class BridgeProgram {
         std::unique_ptr<rig::record::SampleLog> samples{};
     };
 
-    void tell_books(const std::function<void()>& what);
+    void outside_product(const std::function<void()>& what);
     void open();
     [[nodiscard]] std::optional<rig::record::Summary> meter(const rig::record::Attempt& left);
     [[nodiscard]] std::optional<std::int64_t> next_number() const;
@@ -113,10 +113,10 @@ class BridgeProgram {
     const rig::bridge::BridgeSetup& setup_;
     BridgeCampaign campaign_;
     BridgeMachine machine_;
-    CampaignBooks& books_;
+    CampaignAudit& audit_;
     BridgeMistake mistake_;
     double left_J_ = 0.0;
-    std::int64_t next_ = 1;  // counts_by_itself
+    std::int64_t next_ = 1;  // numbers_maneuvers_itself
 
     std::unique_ptr<rig::record::Ledger> ledger_;
     rig::bridge::BusListener listener_;

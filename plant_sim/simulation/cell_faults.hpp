@@ -59,10 +59,10 @@ struct PlannedFault {
     double lasts_s = 0.0;  ///< for faults that end a program: until its restart
     double set_s = 0.0;    ///< step of the clock, of either sign
     std::uint64_t operation =
-        1;  ///< of the disk, counted from the fault's beginning: the first that it may affect; the fault ends without one within kPatience_s
+        1;  ///< of the disk, counted from the fault's beginning: the first that it may affect; the fault ends without one within kMaxWait_s
     std::uint64_t operations = 1;  ///< number of operations that find the disk full
 };
-inline constexpr double kPatience_s = 8.0;
+inline constexpr double kMaxWait_s = 8.0;
 [[nodiscard]] constexpr bool of_disk(CellFault fault) {
     return fault >= CellFault::power_cut;
 }

@@ -26,7 +26,7 @@ CellJudge::CellJudge(const CellSetup& setup, const rig::Plan& plan, const plc::S
       valve_(setup.bridge.layout),
       top_mps_(rig::top_speed_mps(plan)) {}
 
-void CellJudge::rig_hears(const Frame& frame) {
+void CellJudge::rig_received(const Frame& frame) {
     if (frame.id != setup_.bridge.layout[Role::valve].id || valve_.accept(frame) != Role::valve) return;
     // The command may have been on its way for as long as frames are late.
     const Time longest = duration(setup_.permission_s + 3.0 * static_cast<double>(setup_.controller.period_s)) + FaultyBus::kMaxLate;
@@ -35,7 +35,7 @@ void CellJudge::rig_hears(const Frame& frame) {
                               seconds(frame.received - permission_.granted())));
 }
 
-void CellJudge::look(const CellNow& cell) {
+void CellJudge::check(const CellNow& cell) {
     const Time now = cell.now;
     if (cell.open != open_) opened_ = now;
     open_ = cell.open;

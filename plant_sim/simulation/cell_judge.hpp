@@ -30,12 +30,12 @@ class CellJudge {
     CellJudge(const CellSetup& setup, const rig::Plan& plan, const plc::ServedRig& rig, Sink violated);
 
     /// Call for each undamaged frame that the controller, or the rig, receives.
-    void controller_hears(const antiskid::can::Frame& frame) { permission_.accept(frame); }
-    void rig_hears(const antiskid::can::Frame& frame);
+    void controller_received(const antiskid::can::Frame& frame) { permission_.accept(frame); }
+    void rig_received(const antiskid::can::Frame& frame);
     /// Call when bridge or controller restarts.
-    void starts_anew() { permission_.forget(); }
+    void restarted() { permission_.reset(); }
 
-    void look(const CellNow& cell);
+    void check(const CellNow& cell);
     void begun() { touchdowns_ = rig_.maneuvers(); }
     void over(const rig::Sequencer& sequencer);
 

@@ -12,21 +12,21 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/simulation/campaign_books.hpp"
+#include "plant_sim/simulation/campaign_audit.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
 namespace plant_sim::simulation {
 
 /// Parts of the program that a test of the invariants may replace by mistaken ones.
-struct Hands {
+struct DiskCampaignSetup {
     /// The storage that recorder, summary and ledger use.
     std::function<std::shared_ptr<const settings::Storage>(std::shared_ptr<const SimulatedDisk>)> storage = [](auto disk) { return disk; };
     bool durable = true;  ///< LedgerOptions::durable
-    SqliteLapse lapse = SqliteLapse::none;
+    SqliteDeviation deviation = SqliteDeviation::none;
     /// Energy of the campaign before the next maneuver, J.
     std::function<double(const rig::record::Ledger&)> taken_J = [](const auto& ledger) { return ledger.cumulative_energy_J(); };
     /// Replaces the result of reading a log.
-    CampaignBooks::Reading reading = {};
+    CampaignAudit::Reading reading = {};
     /// Mistake: a maneuver is reported as finished before it is in the ledger.
     bool says_early = false;
     /// Mistake: a record with missing lines counts as complete.
@@ -46,6 +46,6 @@ struct CampaignOutcome {
 };
 
 /// Draws everything from `seed`. `trace` is called with a line for each event.
-[[nodiscard]] CampaignOutcome run_disk_campaign(std::uint64_t seed, const Hands& hands = {}, const DiskTrace& trace = {});
+[[nodiscard]] CampaignOutcome run_disk_campaign(std::uint64_t seed, const DiskCampaignSetup& setup = {}, const DiskTrace& trace = {});
 
 }  // namespace plant_sim::simulation

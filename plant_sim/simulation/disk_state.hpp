@@ -65,7 +65,7 @@ struct DiskState {
     std::size_t sector;
     bool runs = true;
     bool paused = false;
-    SqliteLapse lapse = SqliteLapse::none;
+    SqliteDeviation deviation = SqliteDeviation::none;
     std::uint64_t operations = 0;
     std::uint64_t since_restart = 0;
     std::vector<PendingFault> pending{};

@@ -80,7 +80,7 @@ int sync_file(sqlite3_file* file, int /*flags*/) {
     const auto scope = open.disk->gate->simulation();
     if (open.disk->sync(*open.node, open.path) != 0) return SQLITE_IOERR_FSYNC;
     if (std::exchange(open.names_new, false))
-        (void)open.disk->sync_directory(directory_of(open.path), open.disk->lapse == SqliteLapse::journal_name_unnoticed);
+        (void)open.disk->sync_directory(directory_of(open.path), open.disk->deviation == SqliteDeviation::journal_name_unnoticed);
     return SQLITE_OK;
 }
 
@@ -153,7 +153,7 @@ int delete_file(sqlite3_vfs* vfs, const char* name, int sync_directory) {
     DiskState& disk = of(vfs);
     const auto scope = disk.gate->simulation();
     if (const int error = disk.remove(name); error != 0) return error == ENOENT ? SQLITE_IOERR_DELETE_NOENT : SQLITE_IOERR_DELETE;
-    return sync_directory != 0 && disk.lapse != SqliteLapse::removal_not_synced && disk.sync_directory(directory_of(name)) != 0
+    return sync_directory != 0 && disk.deviation != SqliteDeviation::removal_not_synced && disk.sync_directory(directory_of(name)) != 0
                ? SQLITE_IOERR_DIR_FSYNC
                : SQLITE_OK;
 }

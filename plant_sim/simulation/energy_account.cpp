@@ -37,7 +37,7 @@ bool warned(const std::vector<std::string>& warnings, std::string_view of) {
 
 }  // namespace
 
-void EnergyAccount::pass(Time now, double taken_J) {
+void EnergyAccount::advance(Time now, double taken_J) {
     taken_J_ = taken_J;
     if (!lately_.empty() && now - lately_.back().at < kStep) return;
     lately_.push_back({.at = now, .taken_J = taken_J});

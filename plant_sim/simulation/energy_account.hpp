@@ -19,7 +19,7 @@ class EnergyAccount {
     explicit EnergyAccount(double landing_J) : landing_J_(landing_J) {}
 
     /// Call in every period. `taken_J`: energy of the brake's whole life.
-    void pass(antiskid::control::Time now, double taken_J);
+    void advance(antiskid::control::Time now, double taken_J);
     /// Call when an attempt's recording begins. The brake's energy up to the next such call belongs to this attempt.
     void begun(const std::filesystem::path& folder) { attempts_.push_back({.folder = folder, .before_J = taken_J_}); }
     /// Call when a bridge ends; a power cut may lose the end of its recording.

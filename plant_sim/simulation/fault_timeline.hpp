@@ -26,7 +26,7 @@ class FaultTimeline {
     /// Call when a phase begins: sets the start time of the faults that wait for it.
     void reached(rig::Phase phase, std::int64_t attempt, antiskid::control::Time now);
     /// Advances to `now` and calls `change` for each fault that begins or ends. False: none did.
-    bool pass(antiskid::control::Time now, const Change& change);
+    bool advance(antiskid::control::Time now, const Change& change);
 
     [[nodiscard]] bool any() const;
     [[nodiscard]] std::vector<PlannedFault> active() const;

@@ -37,7 +37,7 @@ void FaultyBus::End::set_up(bool up) {
 }
 
 void FaultyBus::End::take(const Frame& frame, const End& from) {
-    if (deaf_ || !status_.up) return;
+    if (send_only_ || !status_.up) return;
     Travelling one{.frame = frame};
     one.frame.received = bus_.now_;
     if (&from == neighbour_) return insert(one);

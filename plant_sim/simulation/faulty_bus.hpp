@@ -24,7 +24,7 @@ class FaultyBus {
 
     class End final : public antiskid::can::Bus {
       public:
-        End(FaultyBus& bus, bool deaf) : bus_(bus), deaf_(deaf) {}
+        End(FaultyBus& bus, bool send_only) : bus_(bus), send_only_(send_only) {}
         std::size_t receive(std::span<antiskid::can::Frame> frames) override;
         bool send(const antiskid::can::Frame& frame) override;
         /// Whether a frame can be received. No time passes.
@@ -50,7 +50,7 @@ class FaultyBus {
         void insert(const Travelling& one);
 
         FaultyBus& bus_;
-        bool deaf_;
+        bool send_only_;
         const End* neighbour_ = nullptr;
         std::deque<Travelling> queue_;  // earliest first
         std::array<double, kFrameFaults> shares_{};
@@ -64,8 +64,8 @@ class FaultyBus {
     FaultyBus(const FaultyBus&) = delete;
     FaultyBus& operator=(const FaultyBus&) = delete;
 
-    /// Adds an end, owned by the bus. `deaf`: it does not receive.
-    [[nodiscard]] End& connect(bool deaf = false) { return ends_.emplace_back(*this, deaf); }
+    /// Adds an end, owned by the bus. `send_only`: it does not receive.
+    [[nodiscard]] End& connect(bool send_only = false) { return ends_.emplace_back(*this, send_only); }
     void set_time(antiskid::can::Time now) { now_ = now; }
     [[nodiscard]] const std::array<std::uint64_t, kFrameFaults>& fault_counts() const { return fault_counts_; }
 

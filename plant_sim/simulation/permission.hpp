@@ -21,7 +21,7 @@ class Permission {
         if (arm && !stopped_) granted_ = frame.received;
     }
     /// Call when a program at either end restarts: any alive counter is then accepted.
-    void forget() { heard_.emplace(layout_); }
+    void reset() { heard_.emplace(layout_); }
     [[nodiscard]] antiskid::control::Time granted() const { return granted_; }
 
   private:

@@ -17,7 +17,7 @@ class SimulatedClock final : public antiskid::host::Clock {
     [[nodiscard]] Time now() override { return now_; }
     [[nodiscard]] Time time() const { return now_; }
     void sleep_until(Time /*deadline*/) override {}
-    void pass(Time period) { now_ += period; }
+    void advance(Time period) { now_ += period; }
     void set_wall(Time by) { sets_.emplace_back(now_, sets_.back().second + by); }
     [[nodiscard]] Time wall_minus_monotonic(Time at) const {
         const auto set = std::find_if(sets_.rbegin(), sets_.rend() - 1, [at](const auto& one) { return one.first <= at; });

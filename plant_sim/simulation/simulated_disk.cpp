@@ -71,8 +71,9 @@ class Hold final : public settings::File {
 
 }  // namespace
 
-SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, SqliteLapse lapse) : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {
-    state_->lapse = lapse;
+SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, SqliteDeviation deviation)
+    : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {
+    state_->deviation = deviation;
 }
 SimulatedDisk::~SimulatedDisk() = default;
 

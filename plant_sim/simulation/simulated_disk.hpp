@@ -31,7 +31,7 @@ inline constexpr std::array<std::string_view, 5> kDiskFaultNames{"power_cut", "k
 
 /// Deviations of SQLite. `journal_name_unnoticed` is SQLite's own behaviour: its unix VFS ignores a refused sync of a new journal's directory, after
 /// which a power cut in the same commit may damage the database. Without it that sync is never refused.
-enum class SqliteLapse : std::uint8_t { none, journal_name_unnoticed, removal_not_synced };
+enum class SqliteDeviation : std::uint8_t { none, journal_name_unnoticed, removal_not_synced };
 
 /// Called with a line for each operation that changes something.
 using DiskTrace = std::function<void(const std::string& line)>;
@@ -41,7 +41,7 @@ struct DiskState;
 
 class SimulatedDisk final : public settings::Storage {
   public:
-    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, SqliteLapse lapse = SqliteLapse::none);
+    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, SqliteDeviation deviation = SqliteDeviation::none);
     ~SimulatedDisk() override;
 
     /// Marks the disk's own allocations as the simulation's.

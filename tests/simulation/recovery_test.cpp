@@ -97,7 +97,7 @@ TEST_CASE("what SQLite lets be: the name of its journal refused, and the power c
     int damaged = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         const auto disk =
-            std::make_shared<SimulatedDisk>(seed, plant_sim::simulation::DiskTrace{}, plant_sim::simulation::SqliteLapse::journal_name_unnoticed);
+            std::make_shared<SimulatedDisk>(seed, plant_sim::simulation::DiskTrace{}, plant_sim::simulation::SqliteDeviation::journal_name_unnoticed);
         const LedgerOptions options = on(disk);
         {
             Ledger ledger("/runs/campaign.sqlite", options);

@@ -14,10 +14,10 @@
 
 namespace plant_sim::simulation {
 
-class RemadeFigures {
+class RecomputedFigures {
   public:
     /// `setup` must outlive it.
-    RemadeFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const SimulatedDisk> disk) : setup_(setup), disk_(std::move(disk)) {}
+    RecomputedFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const SimulatedDisk> disk) : setup_(setup), disk_(std::move(disk)) {}
 
     /// Rows that differ, as text. Checks only rows that no earlier call has checked.
     [[nodiscard]] std::vector<std::string> check(std::span<const rig::record::LedgerRow> rows);

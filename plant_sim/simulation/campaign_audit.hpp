@@ -30,22 +30,22 @@ struct ReadLog {
 };
 
 /// A file in memory with a path, for the log reader, which opens its logs itself.
-class PassingFile {
+class MemoryFile {
   public:
     /// Throws std::system_error if there is no memory for it.
-    explicit PassingFile(std::string_view bytes);
+    explicit MemoryFile(std::string_view bytes);
     [[nodiscard]] std::string path() const;
 
   private:
     settings::FileDescriptor file_;
 };
 
-class CampaignBooks {
+class CampaignAudit {
   public:
     /// Replaces the result of reading a log.
     using Reading = std::function<ReadLog(ReadLog)>;
 
-    explicit CampaignBooks(std::shared_ptr<const SimulatedDisk> disk, Reading reading = {});
+    explicit CampaignAudit(std::shared_ptr<const SimulatedDisk> disk, Reading reading = {});
 
     /// Known facts of one attempt. Reports of a program whose disk has stopped do not count.
     struct Known {
