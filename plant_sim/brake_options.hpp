@@ -26,9 +26,9 @@ struct BrakeOptions {
     /// Whether a wearing brake is requested.
     [[nodiscard]] bool given() const { return !brake.empty() || !state.empty(); }
     /// The rig's wear; without its law if eq. (14) was requested.
-    [[nodiscard]] wear::BrakeWear asked_of(wear::BrakeWear rig) const;
+    [[nodiscard]] wear::BrakeWear requested_wear(wear::BrakeWear rig) const;
     /// Cumulative energy by `brake`; that of a new brake if it is not given.
-    [[nodiscard]] double taken_J(const wear::BrakeWear& wear) const;
+    [[nodiscard]] double initial_energy_J(const wear::BrakeWear& wear) const;
     /// The brake in the state file, with the file's seed, if the file exists; otherwise the one of `brake` with `seed`. Throws std::invalid_argument
     /// if both give a brake, settings::Error if the file is of another brake.
     [[nodiscard]] wear::WearingBrake brake_of(const wear::BrakeWear& rig, std::uint64_t seed) const;

@@ -165,7 +165,7 @@ Served load(const Options& o) {
     if (o.spun_up) s.rig.rim_mps = s.plant.rig.brake_on_mps;
     s.rig.brake = o.brake.brake_of(s.plant.wear, o.seed);
     if (!o.brake.state.empty())  // a place that cannot be written shows before anything runs
-        wear::keep_brake_state(o.brake.state, s.rig.brake->state(), s.plant.wear);
+        wear::write_brake_state(o.brake.state, s.rig.brake->state(), s.plant.wear);
     return s;
 }
 
@@ -201,7 +201,7 @@ class BrakeKeeper {
         std::string text;
         if (!file_.empty()) {
             try {
-                wear::keep_brake_state(file_, state, brake_.wear());
+                wear::write_brake_state(file_, state, brake_.wear());
                 failed_ = false;
             } catch (const settings::Error& e) {
                 text = fmt::format("the brake's state could not be kept: {}", e.what());
@@ -250,7 +250,7 @@ int run(const Options& o, const Served& s) {
             [&keeper](const wear::BrakeState& brake) { return keeper.keep(brake); });
         if (o.clock == "sync") {
             node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}),
-                              {.done = [&server] { return server.bridge_turn(); }, .together = o.together});
+                              {.done = [&server] { return server.bridge_turn(); }, .start_together = o.together});
         } else {
             enter_realtime(o.priority);
             node.run_realtime(signals.stop());

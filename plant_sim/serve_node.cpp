@@ -140,12 +140,12 @@ void ServeNode::advance() {
 void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout, BridgeTurns bridge) {
     answer_timeout_ = answer_timeout;
     bridge_ = std::move(bridge);
-    if (bridge_.together) {
+    if (bridge_.start_together) {
         begin_together(stop);
         await_bridge(stop);
         advance();
     }
-    bool silent = !bridge_.together;
+    bool silent = !bridge_.start_together;
     Time next = clock_.now();
     while (!stop) {
         send_sample_and_sync(stop);

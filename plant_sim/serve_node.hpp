@@ -36,7 +36,7 @@ using BrakeStates = antiskid::host::SpscRing<wear::BrakeState, 16>;
 struct BridgeTurns {
     std::function<std::uint16_t()> done = nullptr;  ///< number of the bridge's newest turn; empty function: no bridge is waited for
     /// Whether rig time begins only when the bridge has joined and the controller answers; first sample and SYNC are repeated until then.
-    bool together = false;
+    bool start_together = false;
 };
 
 class ServeNode {

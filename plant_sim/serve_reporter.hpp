@@ -30,7 +30,7 @@ class ServeReporter {
 
   private:
     void run();
-    void look();
+    void report_changes();
     void say(const std::string& what) const;
 
     const ServeState& state_;

@@ -42,7 +42,7 @@ struct StopInputs {
     std::optional<wear::WearingBrake> brake;  ///< before the maneuver; none: not requested
 
     /// Writes the brake's state after the maneuver, with `energy_J` added, to the file of the options, if there is one. Throws settings::Error.
-    void keep_brake(const StopOptions& options, double energy_J) const;
+    void save_brake(const StopOptions& options, double energy_J) const;
     /// Head of the report: the inputs of the run.
     [[nodiscard]] study::StopReport report(const StopOptions& options) const;
     /// Title of a picture.

@@ -171,7 +171,7 @@ int run(const Options& o, const plant_sim::StopInputs& s) {
     if (!o.picture.empty()) pictures::draw_stop(trajectory.rows(), o.picture, s.title(o.scenario), session.pilot().brake_on_s());
     // A maneuver that never reached its brake-on wears nothing and is none.
     const double taken_J = session.rig().wheel().energy_brake_J;
-    if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);
+    if (taken_J > 0.0) s.save_brake(o.scenario, taken_J);
     if (!result.reason.empty()) fmt::print(stderr, "virtual-rig: {}\n", result.reason);
     return exit_status(result.ending);
 }

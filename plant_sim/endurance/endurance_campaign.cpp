@@ -94,7 +94,7 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
                           .created = rig_clock(0.0)},
                          rig::record::IfChanged::reject);
     CampaignResult result;
-    result.already = ledger.finished_count();
+    result.earlier = ledger.finished_count();
     plc::ServedRigOptions machinery = setup.machinery;
     wear::BrakeWear wear = setup.scenario.rig.wear;
     if (options.by_model) wear.law.reset();
@@ -106,7 +106,7 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
     std::optional<rig::record::HealthWatch> watch;
     if (!options.wear_model.empty()) {
         watch.emplace(options.wear_model);
-        result.judged_by = watch->learnt_from();
+        result.model_origin = watch->learnt_from();
         rig::record::catch_up(*watch, ledger, rig::record::read_ledger(options.ledger, next.campaign));
     }
     const rig::Plan& mean = setup.scenario.mean;
@@ -117,14 +117,14 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
         next.number = *number;
         next.started = rig_clock(cell.time_s());
         (void)ledger.begin(*number, next.started, slip_reference);
-        cell.rig().take_up(brake);
+        cell.rig().set_brake_state(brake);
         const rig::Plan plan = rig::plan(setup.scenario, options.seed, *number);
         result.last = summary_of(next, cell.run(plan), rig::acceptance(setup.scenario, plan));
         ledger.finish(result.last);
         if (watch && result.last.outcome == "finished" && !rig::record::off_conditions(result.last)) ledger.judge(*number, watch->after(result.last));
         next.cumulative_energy_J = result.last.cumulative_energy_J;
         brake = {brake.seed, brake.maneuvers + 1, next.cumulative_energy_J};
-        if (!options.brake_state.empty()) wear::keep_brake_state(options.brake_state, brake, wear);
+        if (!options.brake_state.empty()) wear::write_brake_state(options.brake_state, brake, wear);
         if (observe) observe(result.last, options.maneuvers);
         result.aborted = result.last.outcome != "finished";
         if (result.aborted) break;

@@ -32,12 +32,12 @@ struct CampaignOptions {
 
 struct CampaignResult {
     std::vector<rig::record::Summary> finished;  ///< all finished maneuvers of the ledger, earlier runs included
-    std::int64_t already = 0;                    ///< number of them from earlier runs
+    std::int64_t earlier = 0;                    ///< number of them from earlier runs
     bool aborted = false;                        ///< whether a maneuver was aborted, which ends the campaign
     rig::record::Summary last;                   ///< the newest maneuver, e.g. the aborted one
     std::optional<wear::WearingBrake> brake;     ///< at the end
     rig::record::Health health;                  ///< of the brake; unknown without `wear_model`
-    std::string judged_by{};                     ///< data from which the model was learnt
+    std::string model_origin{};                  ///< data from which the model was learnt
 };
 
 /// Called after each maneuver. `planned`: number of maneuvers of the campaign.

@@ -1,7 +1,7 @@
 /// Landings one after the other in a TestCell, to find slow growth of memory use and slow changes of the stop length, and faults.
 ///
 ///     const endurance::SoakResult r = endurance::soak(setup, {.seconds = 86'400.0, .seed = 1}, heap_in_use);
-///     if (!endurance::complaints(r).empty()) ...
+///     if (!endurance::violations(r).empty()) ...
 ///
 /// Each landing has a new brake, since wear would change the stop length. Time is the controller's: it does not run while the brake cools. The wall
 /// clock is not used, and the memory of the soak itself does not grow.
@@ -48,9 +48,9 @@ struct SoakResult {
 
 /// Failed requirements, empty if none: the last landing was aborted or had a fault; some span has more heap in use than the second (in the first,
 /// buffers reach their size); the mean stop length of the last third differs from that of the first by more than four standard errors.
-[[nodiscard]] std::vector<std::string> complaints(const SoakResult& result);
+[[nodiscard]] std::vector<std::string> violations(const SoakResult& result);
 
-/// Result and complaints as JSON.
+/// Result and violations as JSON.
 [[nodiscard]] std::string to_json(const SoakResult& result, const EnduranceSetup& setup, std::uint64_t seed);
 
 }  // namespace endurance

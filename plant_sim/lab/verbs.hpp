@@ -94,6 +94,6 @@ void print_table(const std::string& json_file, fmt::format_string<T...> format, 
 
 /// Writes the result of a study to `file` and, if given, to `json_file`. If that is "-", standard output has the JSON, and the directory is named on
 /// standard error, so that none is made silently.
-void keep_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text);
+void write_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text);
 
 }  // namespace plant_sim::lab

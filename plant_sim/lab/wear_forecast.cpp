@@ -86,7 +86,7 @@ struct ForecastCommand {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
         print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix));
-        keep_json(out / "forecast.json", json_file, answer.json.dump(2) + "\n");
+        write_json(out / "forecast.json", json_file, answer.json.dump(2) + "\n");
         if (pictures) draw_forecast(recorded, answer.forecast, resolved.settings.limit, out / "forecast.png");
         print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
         return 0;
@@ -131,7 +131,7 @@ struct ForecastCommand {
         Json json = wear::json_head(resolved, file);
         json["brakes"] = brakes.size();
         json["rows"] = std::move(rows);
-        keep_json(out / "back_test.json", json_file, json.dump(2) + "\n");
+        write_json(out / "back_test.json", json_file, json.dump(2) + "\n");
         print_table(json_file, "Written to {}: back_test.json\n", out.string());
         const double pooled = t.pooled.coverage();
         return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;

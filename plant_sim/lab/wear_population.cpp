@@ -35,7 +35,7 @@ struct PopulationCommand {
                     "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden, {:.2f} trend\n",
                     p.provenance.sentence(), std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered, p.scatter.memory,
                     p.spread.offset, p.scatter.drift_per_root_MJ, p.spread.log_energy_scale, p.limits.gradual, p.limits.sudden, p.limits.trend);
-        keep_json(out / "population.json", json_file, wear::to_json(p));
+        write_json(out / "population.json", json_file, wear::to_json(p));
         print_table(json_file, "Written to {}: population.json\n", out.string());
         return 0;
     }

@@ -25,7 +25,7 @@ Rig::Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed
 }
 
 /// The surface under the wheel stays for a step: 6 cm at 61 m/s.
-void Rig::look_at_runway() {
+void Rig::update_surface() {
     // Halfway is far from both ends: a wheel that water lets go, or takes again, passes it quickly.
     constexpr double kTurns = 0.5;
     const std::size_t patch = parameters_.runway.begun(runway_m());
@@ -160,7 +160,7 @@ Rig::Step Rig::begin(double start_mA, double end_mA) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
     if (pushed_) push();
-    look_at_runway();
+    update_surface();
     const double start_Pa = parameters_.pressure_map.pressure_Pa(play_.follow(start_mA));
     const double end_Pa = end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(play_.follow(end_mA));
     const Valve::Arcs arcs = valve_.advance(start_Pa, end_Pa);
@@ -183,7 +183,7 @@ void Rig::advance_pressure(std::span<const PressurePart> parts) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
     if (pushed_) push();
-    look_at_runway();
+    update_surface();
     for (const PressurePart& part : parts) {
         const double h = part.share * step_s_;
         move(PressureArc::linear(part.start_Pa, part.end_Pa), load_arc(h), h);

@@ -132,7 +132,7 @@ class Rig {
     void begin_runway() {
         if (parameters_.runway.from_touchdown) runway_began_m_ = state_.distance_m;
     }
-    void look_at_runway();
+    void update_surface();
     void sense(double wheel_before, double flywheel_before, double since_s);
 
     rig::RigParameters parameters_;

@@ -91,7 +91,7 @@ void ServedRig::lift_off() {
     accounted_J_ = energy_J;
 }
 
-void ServedRig::take_up(const wear::BrakeState& state) {
+void ServedRig::set_brake_state(const wear::BrakeState& state) {
     if (!brake_) throw std::invalid_argument("this rig has no brake that wears");
     *brake_ = wear::WearingBrake(brake_->wear(), brake_->rule(), state);
     accounted_J_ = rig_.wheel().energy_brake_J;

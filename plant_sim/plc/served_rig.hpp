@@ -58,7 +58,7 @@ class ServedRig {
 
     /// Sets the brake's state after maneuvers that another object ran, e.g. those of a ledger. Only between two maneuvers. Throws
     /// std::invalid_argument as WearingBrake does, and if the rig has no brake.
-    void take_up(const wear::BrakeState& state);
+    void set_brake_state(const wear::BrakeState& state);
 
     /// Whether pass_idle() may be used: sledge back, wheel at rest, no pressure, drive off and not commanded on.
     [[nodiscard]] bool idle() const;

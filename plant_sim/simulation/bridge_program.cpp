@@ -92,7 +92,7 @@ std::optional<Summary> BridgeProgram::meter(const Attempt& left) {
 
 void BridgeProgram::poll() {
     if (mistake_ == BridgeMistake::watchdog_without_loop) plc_.client.alive();
-    plc_.client.round();
+    plc_.client.exchange();
 }
 
 void BridgeProgram::receive() {

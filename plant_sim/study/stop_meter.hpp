@@ -65,7 +65,7 @@ class StopMeter {
     [[nodiscard]] StopFigures figures(const plant::Rig& rig) const;
 
   private:
-    void look_at(const rig::Surface& surface);
+    void set_surface(const rig::Surface& surface);
 
     double slip_reference_;
     double drop_out_mps_;

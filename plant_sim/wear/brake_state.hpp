@@ -27,6 +27,6 @@ constexpr int kBrakeStateFormatVersion = 1;
 [[nodiscard]] std::optional<BrakeState> find_brake_state(const std::filesystem::path& file, const BrakeWear& wear);
 
 /// Writes the state to a file, which after a failure is unchanged. Throws settings::Error.
-void keep_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear);
+void write_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear);
 
 }  // namespace wear

@@ -26,8 +26,8 @@ class Session::ModbusPlc final : public Plc {
   public:
     ModbusPlc(const RegisterMap& map, const std::string& address, std::function<modbus::ClockTime()> now, modbus::Polling polling)
         : client_(map, modbus::parse_plc_address(address), std::move(now), polling) {}
-    void look() { client_.look(); }
-    void turn(std::uint16_t number) { client_.turn(number); }
+    void read_all() { client_.read_all(); }
+    void write_turn(std::uint16_t number) { client_.write_turn(number); }
     void command(const CommandedValues& wanted) override { client_.command(wanted); }
     [[nodiscard]] modbus::Snapshot snapshot() const override { return client_.snapshot(); }
 
@@ -65,8 +65,8 @@ Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, T
       node_(setup.layout, setup.meter.period_s, setup.limits, *plc_, recorder_, bus_),
       timer_(clock_, Node::kStep) {
     if (!lockstep_) return;
-    plc_->look();
-    plc_->turn(kJoined);
+    plc_->read_all();
+    plc_->write_turn(kJoined);
 }
 
 Session::~Session() = default;
@@ -78,11 +78,11 @@ const Moment& Session::step(rig::Sequencer* sequencer, const ManeuverRequest* re
         (void)timer_.wait();
     const int stops = stops_.count();
     if (stops > 1) throw EndAtOnce{};
-    if (lockstep_) plc_->look();
+    if (lockstep_) plc_->read_all();
     const std::int64_t number = request == nullptr ? 0 : request->number;
     const Moment& moment = node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                                       lockstep_ ? lockstep_->now() : clock_.now());
-    if (lockstep_) plc_->turn(lockstep_->end_turn());
+    if (lockstep_) plc_->write_turn(lockstep_->end_turn());
     if (panel_ != nullptr) tell_panel(moment, request == nullptr && sequencer == nullptr);
     if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
         terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));

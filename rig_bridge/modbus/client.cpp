@@ -67,7 +67,7 @@ class ModbusClient::Impl {
         if (thread_.joinable())
             thread_.join();
         else if (connection_.is_open() && map_.bridge_turn)
-            static_cast<void>(say_turn(kNoTurns));
+            static_cast<void>(send_turn(kNoTurns));
     }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
@@ -101,27 +101,27 @@ class ModbusClient::Impl {
         return shown;
     }
 
-    void round() {
+    void exchange() {
         if (const std::optional<LinkFailure> failed = connection_.is_open() ? cycle() : connect()) lose(*failed);
     }
 
-    void look() {
+    void read_all() {
         std::optional<LinkFailure> failed = connection_.is_open() ? std::nullopt : connect();
         if (!failed && connection_.is_open()) failed = poll();
         if (failed) lose(*failed);
     }
 
-    void turn(std::uint16_t number) {
+    void write_turn(std::uint16_t number) {
         if (!connection_.is_open()) return;
-        std::optional<LinkFailure> failed = tell();
-        if (!failed) failed = say_turn(number);
+        std::optional<LinkFailure> failed = write_due();
+        if (!failed) failed = send_turn(number);
         if (failed) lose(*failed);
     }
 
   private:
     using Failed = std::optional<LinkFailure>;
 
-    Failed say_turn(std::uint16_t number) {
+    Failed send_turn(std::uint16_t number) {
         const std::array word{number};
         count_request();
         return connection_.write(map_.bridge_turn.value().address, word);
@@ -131,7 +131,7 @@ class ModbusClient::Impl {
         auto next = std::chrono::steady_clock::now();
         while (true) {
             const bool polling = connection_.is_open();
-            round();
+            exchange();
             std::chrono::nanoseconds pause{0};
             if (!connection_.is_open()) {
                 pause = backoff_.next();
@@ -199,10 +199,10 @@ class ModbusClient::Impl {
 
     Failed cycle() {
         if (auto failed = poll()) return failed;
-        return connection_.is_open() ? tell() : std::nullopt;
+        return connection_.is_open() ? write_due() : std::nullopt;
     }
 
-    Failed tell() {
+    Failed write_due() {
         if (auto failed = move_watchdog()) return failed;
         return send_command();
     }
@@ -339,14 +339,14 @@ void ModbusClient::command(const CommandedValues& wanted) {
 void ModbusClient::alive() {
     impl_->alive();
 }
-void ModbusClient::round() {
-    impl_->round();
+void ModbusClient::exchange() {
+    impl_->exchange();
 }
-void ModbusClient::look() {
-    impl_->look();
+void ModbusClient::read_all() {
+    impl_->read_all();
 }
-void ModbusClient::turn(std::uint16_t number) {
-    impl_->turn(number);
+void ModbusClient::write_turn(std::uint16_t number) {
+    impl_->write_turn(number);
 }
 Snapshot ModbusClient::snapshot() const {
     return impl_->snapshot();

@@ -15,7 +15,7 @@ struct Seen {
     double at_m = 0.0;  ///< along the runway, where the fault began
 };
 
-Seen look_at(const FaultPlan& plan, const Case& c, const Sound& sound) {
+Seen look_at(const FaultPlan& plan, const Case& c, const FaultFree& sound) {
     Seen seen;
     Witness witness(plan.controller);
     bool begun = false;
@@ -54,7 +54,7 @@ void widen(std::array<Span, kSignNames.size()>& spans, const Signs& signs, bool 
 }  // namespace
 
 Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& basis, const ExplainOptions& options) {
-    const Sound sound = run_sound(plan, c);
+    const FaultFree sound = run_fault_free(plan, c);
     const Seen faulty = look_at(plan, c, sound);
     Explanation e{.run = c, .result = faulty.result, .seen = faulty.signs};
     const rig::RigParameters& rig = plan.surfaces[c.surface].rig;

@@ -36,7 +36,7 @@ struct ExplainOptions {
     std::uint64_t rig_seed = 21;  ///< of the draws
 };
 
-/// Draws rigs from the family `all` of `basis`, on the surface of the run. Throws as run_sound.
+/// Draws rigs from the family `all` of `basis`, on the surface of the run. Throws as run_fault_free.
 [[nodiscard]] Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& basis, const ExplainOptions& options = {});
 
 }  // namespace faults

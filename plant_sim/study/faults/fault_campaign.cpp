@@ -13,22 +13,22 @@ namespace faults {
 
 namespace {
 
-/// Sound stops by surface and repetition, each run once.
+/// FaultFree stops by surface and repetition, each run once.
 class SoundStops {
   public:
     explicit SoundStops(const FaultPlan& plan) : plan_(plan), known_(plan.surfaces.size() * plan.repetitions) {}
 
-    const Sound& of(const Case& c) {
+    const FaultFree& of(const Case& c) {
         Entry& entry = known_[c.surface * plan_.repetitions + c.repetition];
         const std::scoped_lock lock(entry.mutex);
-        if (!entry.sound) entry.sound = run_sound(plan_, c);
+        if (!entry.sound) entry.sound = run_fault_free(plan_, c);
         return *entry.sound;
     }
 
   private:
     struct Entry {
         std::mutex mutex;
-        std::optional<Sound> sound;
+        std::optional<FaultFree> sound;
     };
     const FaultPlan& plan_;
     std::vector<Entry> known_;
@@ -115,12 +115,12 @@ FaultPlan load_plan(const FaultPlanOptions& options) {
     return plan;
 }
 
-bool Beginning::reached(const study::RigSession& session) {
+bool FaultStart::reached(const study::RigSession& session) {
     reached_ = reached_ || now(session);
     return reached_;
 }
 
-bool Beginning::now(const study::RigSession& session) {
+bool FaultStart::now(const study::RigSession& session) {
     const double time_s = session.rig().time_s();
     const double v = session.rig().wheel().v_mps;
     const double brake_on_mps = session.rig().parameters().brake_on_mps;

@@ -89,9 +89,9 @@ struct FaultPlanOptions {
 [[nodiscard]] FaultPlan load_plan(const FaultPlanOptions& options);
 
 /// Detects the instant at which the fault of a case begins.
-class Beginning {
+class FaultStart {
   public:
-    Beginning(const Case& c, double drop_out_mps) : phase_(c.phase), at_(c.at), drop_out_mps_(drop_out_mps) {}
+    FaultStart(const Case& c, double drop_out_mps) : phase_(c.phase), at_(c.at), drop_out_mps_(drop_out_mps) {}
     /// Call once a period; returns whether it has begun.
     [[nodiscard]] bool reached(const study::RigSession& session);
 
@@ -105,14 +105,14 @@ class Beginning {
     bool reached_ = false;
 };
 
-/// The same stop without a fault. run_sound() throws std::runtime_error if it names faults or does not come to rest, since no comparison would be
+/// The same stop without a fault. run_fault_free() throws std::runtime_error if it names faults or does not come to rest, since no comparison would be
 /// possible.
-struct Sound {
+struct FaultFree {
     double distance_m = 0.0;  ///< from brake-on to standstill
     double lasts_s = 0.0;     ///< from the start of the run to its end
     antiskid::control::FaultSet named;
 };
-[[nodiscard]] Sound run_sound(const FaultPlan& plan, const Case& c);
+[[nodiscard]] FaultFree run_fault_free(const FaultPlan& plan, const Case& c);
 
 struct Result {
     Judgement verdict;
@@ -130,7 +130,7 @@ struct Period {
 };
 using PeriodObserver = std::function<void(const Period&)>;
 /// `sound` must be that of `c`. `on_period` may be empty.
-[[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const PeriodObserver& on_period = {});
+[[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const FaultFree& sound, const PeriodObserver& on_period = {});
 
 struct Row {
     Case run;
@@ -143,7 +143,7 @@ struct CampaignOptions {
     std::function<void(std::size_t done)> progress{};  ///< called by any thread, one at a time
 };
 
-/// Runs `numbers` of the plan; returns the finished ones in the order given. Throws as run_sound.
+/// Runs `numbers` of the plan; returns the finished ones in the order given. Throws as run_fault_free.
 [[nodiscard]] std::vector<Row> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options);
 
 }  // namespace faults

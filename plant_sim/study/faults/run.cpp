@@ -170,7 +170,7 @@ class FaultLink {
     [[nodiscard]] double current_mA() const { return current_mA_; }
     [[nodiscard]] antiskid::control::State state() const { return command_.state; }
     /// Whether the valve's driver hears the controller.
-    [[nodiscard]] bool received() const { return driver_.hears(); }
+    [[nodiscard]] bool received() const { return driver_.has_command(); }
     /// Demand as it is sent; none where it is not armed or the wheel carries no load.
     [[nodiscard]] double asked_Pa() const {
         return asked_.arm && asked_.weight_on_wheels ? layout_.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa)) : 0.0;
@@ -265,7 +265,7 @@ constexpr double kLongest_s = 600.0;
 
 }  // namespace
 
-Sound run_sound(const FaultPlan& plan, const Case& c) {
+FaultFree run_fault_free(const FaultPlan& plan, const Case& c) {
     study::Loop<FaultLink> loop = loop_of(plan, c, kLongest_s);
     const study::RunResult run = loop.run({});
     if (!run.faults.empty() || !loop.session().rig().standstill())
@@ -275,7 +275,7 @@ Sound run_sound(const FaultPlan& plan, const Case& c) {
     return {.distance_m = run.figures.stop_distance_m, .lasts_s = loop.session().rig().time_s(), .named = run.faults};
 }
 
-Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const PeriodObserver& on_period) {
+Result run_one(const FaultPlan& plan, const Case& c, const FaultFree& sound, const PeriodObserver& on_period) {
     constexpr double kPatience = 2.0;  // times the sound run's length: nobody brakes any more
     study::Loop<FaultLink> loop = loop_of(plan, c, kPatience * sound.lasts_s);
     study::RigSession& session = loop.session();
@@ -286,7 +286,7 @@ Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const P
                      .changed_wish = changes_wish(c.fault.what.signal),
                      .emergency_stop = c.fault.what.signal == Signal::emergency_stop});
     Result result;
-    Beginning beginning(c, plan.drop_out_mps);
+    FaultStart beginning(c, plan.drop_out_mps);
     bool begun = false;
     double ends_s = 0.0;
     while (!session.done()) {

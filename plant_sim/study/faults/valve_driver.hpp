@@ -21,17 +21,18 @@ class ValveDriver {
         if (stats.accepted != accepted_ && score_ > 0) --score_;
         accepted_ = stats.accepted;
         if (score_ > 2 * kMaxRejected) score_ = 2 * kMaxRejected;
-        hears_ = controller.command_received != antiskid::control::kNever && now - controller.command_received <= kSilence && score_ <= kMaxRejected;
-        current_mA_ = hears_ ? static_cast<double>(controller.current_mA) : 0.0;
+        has_command_ =
+            controller.command_received != antiskid::control::kNever && now - controller.command_received <= kSilence && score_ <= kMaxRejected;
+        current_mA_ = has_command_ ? static_cast<double>(controller.current_mA) : 0.0;
     }
-    [[nodiscard]] bool hears() const { return hears_; }
+    [[nodiscard]] bool has_command() const { return has_command_; }
     [[nodiscard]] double current_mA() const { return current_mA_; }
 
   private:
     std::uint32_t rejected_ = 0;
     std::uint32_t accepted_ = 0;
     std::uint32_t score_ = 0;
-    bool hears_ = false;
+    bool has_command_ = false;
     double current_mA_ = 0.0;
 };
 

@@ -303,7 +303,7 @@ std::string to_html(const Contents& contents, const std::vector<SectionResult>& 
                             "values. Of long series each of 300 parts keeps its first, last, least and greatest value.</p>\n";
     out += paragraphs(contents.text) + "<nav><ol>\n";
     for (const SectionResult& r : results) {
-        const char* state = r.failed() ? " (failed)" : r.answered_yes() ? "" : " (answers no)";
+        const char* state = r.failed() ? " (failed)" : r.passed() ? "" : " (answers no)";
         fmt::format_to(std::back_inserter(out), "<li><a href=\"#{}\">{}</a>{}</li>\n", r.section->id, escaped(r.section->title), state);
     }
     out += "</ol></nav>\n";

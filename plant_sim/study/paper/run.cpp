@@ -187,7 +187,7 @@ void begin_afresh(const fs::path& directory) {
 
 }  // namespace
 
-bool SectionResult::answered_yes() const {
+bool SectionResult::passed() const {
     return std::all_of(commands.begin(), commands.end(), [](const CommandResult& c) { return c.status == 0; });
 }
 

@@ -26,7 +26,7 @@ struct SectionResult {
     std::vector<CommandResult> commands;
 
     /// Whether every command exited with 0.
-    [[nodiscard]] bool answered_yes() const;
+    [[nodiscard]] bool passed() const;
     /// Whether a command exited with 2 or more, or not normally: there is no answer.
     [[nodiscard]] bool failed() const;
 };

@@ -33,7 +33,7 @@ double distance_m(const Row& row) {
 }
 
 std::optional<std::size_t> told_peak(const RobustPlan& plan) {
-    const auto at = std::find_if(plan.laws.begin(), plan.laws.end(), [](const Peer& law) { return law.name == kToldPeak; });
+    const auto at = std::find_if(plan.laws.begin(), plan.laws.end(), [](const ComparedLaw& law) { return law.name == kToldPeak; });
     if (at == plan.laws.end()) return std::nullopt;
     return static_cast<std::size_t>(at - plan.laws.begin());
 }

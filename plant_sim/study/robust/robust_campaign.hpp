@@ -30,7 +30,7 @@ struct RobustPlanOptions {
 };
 
 /// A law in the comparison.
-struct Peer {
+struct ComparedLaw {
     std::string name;
     antiskid::control::Law law{};
     bool holds_peak =
@@ -51,7 +51,7 @@ struct RobustPlan {
     antiskid::control::Config controller;
     antiskid::can::Layout layout;
     std::vector<Family> families;
-    std::vector<Peer> laws;
+    std::vector<ComparedLaw> laws;
     std::size_t draws = 0;
     std::uint64_t seed = 0;
     double drop_out_mps = 0.0;
@@ -83,9 +83,9 @@ struct RunOptions {
 };
 
 /// Pilot and meter of draw `number` with a law of the plan.
-[[nodiscard]] study::SessionOptions session(const RobustPlan& plan, const Peer& law, std::size_t number);
+[[nodiscard]] study::SessionOptions session(const RobustPlan& plan, const ComparedLaw& law, std::size_t number);
 /// Slip that a law of the plan holds on a surface; none: it holds no slip.
-[[nodiscard]] std::optional<double> held_slip(const RobustPlan& plan, const Peer& law, const rig::Surface& surface);
+[[nodiscard]] std::optional<double> held_slip(const RobustPlan& plan, const ComparedLaw& law, const rig::Surface& surface);
 
 /// Runs the plan in this process. Rows are in the order of families, laws and numbers, for any number of threads; incomplete if stopped.
 [[nodiscard]] std::vector<Row> run(const RobustPlan& plan, const RunOptions& options);

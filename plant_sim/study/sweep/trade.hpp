@@ -42,7 +42,7 @@ struct TradeOptions {
 };
 
 /// Means over the landings at one reference.
-struct Offer {
+struct ReferenceMeans {
     double slip_reference = 0.0;
     double j_mu = 0.0;
     double stop_distance_m = 0.0;
@@ -64,22 +64,22 @@ struct Saving {
 };
 
 /// The limit that keeps the best reference from a cheaper one.
-enum class Decides { nothing, min_j_mu, max_distance, end_of_references, no_cost };
+enum class BindingLimit { nothing, min_j_mu, max_distance, end_of_references, no_cost };
 
 struct Trade {
     static constexpr double kStep = 0.001;
 
-    std::vector<Offer> offers;    ///< one for every kStep of the reference
-    std::optional<Offer> best{};  ///< none: no reference is within the bounds
-    Interval best_interval{};     ///< of its reference, over the resamples in which a reference is within the bounds
-    double feasible_share = 0.0;  ///< share of these resamples
-    Decides decides = Decides::nothing;
-    std::optional<Offer> paper{};      ///< at 0.24; none: outside of the sweep
-    std::optional<Offer> threshold{};  ///< the threshold law, with reference 0
+    std::vector<ReferenceMeans> offers;    ///< one for every kStep of the reference
+    std::optional<ReferenceMeans> best{};  ///< none: no reference is within the bounds
+    Interval best_interval{};              ///< of its reference, over the resamples in which a reference is within the bounds
+    double feasible_share = 0.0;           ///< share of these resamples
+    BindingLimit decides = BindingLimit::nothing;
+    std::optional<ReferenceMeans> paper{};      ///< at 0.24; none: outside of the sweep
+    std::optional<ReferenceMeans> threshold{};  ///< the threshold law, with reference 0
     std::optional<Saving> against_paper{};
     std::optional<Saving> against_threshold{};
-    Offer greatest_j_mu;  ///< the reference with the greatest J_mu
-    Offer min_distance;
+    ReferenceMeans greatest_j_mu;  ///< the reference with the greatest J_mu
+    ReferenceMeans min_distance;
 };
 
 /// Throws std::invalid_argument for an invalid tariff, bounds or number of resamples (1 to 1e6), and for a sweep with fewer than two references or

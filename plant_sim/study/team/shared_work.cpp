@@ -25,7 +25,7 @@ std::vector<std::size_t> share_of(std::span<const std::size_t> pending, const Te
     return ours;
 }
 
-void work_together(Team& team, const std::function<void(const HandIn&)>& work, const std::function<void(std::string_view piece)>& take) {
+void work_together(Team& team, const std::function<void(const PieceDone&)>& work, const std::function<void(std::string_view piece)>& take) {
     if (team.rank() != 0) {
         work([&team](const std::string& piece) { team.to_leader(piece); });
         team.to_leader({});

@@ -20,10 +20,10 @@ namespace study::team {
 [[nodiscard]] std::vector<std::size_t> share_of(std::span<const std::size_t> pending, const Team& team);
 
 /// Takes the result of one piece, as a text that is not empty. May be called by any thread, one at a time.
-using HandIn = std::function<void(const std::string& piece)>;
+using PieceDone = std::function<void(const std::string& piece)>;
 
 /// Call in every process of the team. `work` does this process's share; in the leader, `take` is called with each result of another process, one at a
 /// time. Returns when all shares are done. An exception of `work` or `take` is passed on; the other processes would wait.
-void work_together(Team& team, const std::function<void(const HandIn&)>& work, const std::function<void(std::string_view piece)>& take);
+void work_together(Team& team, const std::function<void(const PieceDone&)>& work, const std::function<void(std::string_view piece)>& take);
 
 }  // namespace study::team

@@ -31,7 +31,7 @@ class Team {
 };
 
 /// A team of one process.
-class Alone : public Team {
+class SingleProcess : public Team {
   public:
     [[nodiscard]] std::size_t rank() const override { return 0; }
     [[nodiscard]] std::size_t size() const override { return 1; }
