@@ -56,7 +56,7 @@ std::vector<Note> notes(const LedgerDatabase& database, std::int64_t maneuver) {
     return all;
 }
 
-/// What people said afterwards holds; notes are added to each other.
+/// A later note replaces the recorded field; free notes are appended.
 void take(const Note& note, Specimen& specimen) {
     for (const SpecimenField& field : kSpecimenFields) {
         if (note.field != field.key) continue;

@@ -18,16 +18,18 @@ constexpr std::uint8_t kSettling = 3;
 constexpr std::uint8_t kBraking = 4;
 constexpr std::uint8_t kStandstill = 5;
 
-/// Longer at brake-on, where the speed is nearly constant and counts most.
+/// Longer at brake-on, where the speed is nearly constant and has the greatest effect.
 constexpr double kWindow_s = 0.01;
 constexpr double kBrakeOnWindow_s = 0.03;
-/// After an abort the brake lets go: what it takes meanwhile is its energy, too. Not before the windows of all speeds lie behind the abort.
+/// After an abort the brake releases; the energy that it takes meanwhile counts, too. The measurement lasts at least until the windows of all speeds
+/// are after the abort.
 constexpr double kMinRelease_s = 0.06, kMaxRelease_s = 0.5;
-/// A sensor that reports speed says zero, or its least count, at standstill.
+/// At standstill a sensor that reports speed reads zero or its least count.
 constexpr double kStands = 0.02;
-/// Half way, as a ratio, to the nearest mistake of unit: bar for MPa is ten. A brake at its wear limit has half of its first friction.
+/// Half the distance, as a ratio, to the nearest mistake of unit: bar for MPa is a factor of ten. A brake at its wear limit has half of its first
+/// friction.
 constexpr double kImplausibleFriction = 3.16;
-/// Torque comes through the PLC, later than pressure: at brake-on their ratio says nothing.
+/// Torque passes the PLC and is later than pressure: just after brake-on their ratio means nothing.
 constexpr double kJudgedFriction_s = 0.2;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
@@ -117,7 +119,7 @@ void Meter::feed(const MeterSample& sample) {
         flywheel_.measure_clock_again();
     }
     const bool begins = (sample.phase == kBraking || sample.braked) && (!fed_ || last_.phase != kBraking);
-    // The brake came on while nothing was heard: it counts from the speeds before that.
+    // Brake-on happened while no frames came: the speeds before the gap are used.
     const bool unseen = begins && fed_ && (sample.phase != kBraking || sample.time_s - last_.time_s > kBrakeOnWindow_s);
     if (unseen) start(last_);
     wheel_.update(sample.wheel, sample.time_s, 1.0);
@@ -186,7 +188,7 @@ Work Meter::by_cells(const MeterSample& sample) const {
             .friction_way_m = load > 0.0 ? force / load * k.sliding_m : 0.0};
 }
 
-/// The equations of motion of flywheel and wheel, the load being what it last was.
+/// Integrates the equations of motion of flywheel and wheel, with the last known load.
 Work Meter::by_speeds(const MeterSample& sample) {
     const double v = flywheel_speed_, omega = wheel_.speed();
     const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
@@ -194,7 +196,7 @@ Work Meter::by_speeds(const MeterSample& sample) {
     const double rim_Ns = parameters_.flywheel_mass_kg * (last_flywheel_mps_ - v);
     const double wheel_Nms = parameters_.wheel_inertia_kgm2 * (last_wheel_radps_ - omega);
     const double mean_mps = 0.5 * (last_flywheel_mps_ + v), mean_radps = 0.5 * (last_wheel_radps_ + omega);
-    // Of a hole by what was counted across it. A wheel that is silent slips as it did.
+    // Across a gap the slip is that of the counted distances. A wheel without readings keeps its last slip.
     const bool counted = knot_.hole && knot_.angle > 0.0 && knot_.metres > 0.0;
     if (hears(wheel_, sample.time_s))
         rolling_ = counted ? radius * knot_.angle / knot_.metres : mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
@@ -212,7 +214,7 @@ void Meter::integrate(const MeterSample& sample) {
     const double pressure = 0.5 * (sample.pressure_Pa + last_.pressure_Pa);
     const bool repeated =
         sample.brake_torque_Nm == last_.brake_torque_Nm && sample.vertical_N == last_.vertical_N && sample.longitudinal_N == last_.longitudinal_N;
-    const bool moves = hears(wheel_, sample.time_s) && hears(flywheel_, sample.time_s);  // else torque has no angle
+    const bool moves = hears(wheel_, sample.time_s) && hears(flywheel_, sample.time_s);  // without motion, torque has no angle
     const CellReading reading = !sample.load_cells_reported || !moves ? CellReading::none : repeated ? CellReading::repeated : CellReading::fresh;
     const bool silent = work_balance_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
@@ -233,7 +235,7 @@ void Meter::integrate(const MeterSample& sample) {
         sliding_way_m_ += metres;
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }
-    if (work_balance_.silent() && !silent) tail_.clear();  // it had the other torque
+    if (work_balance_.silent() && !silent) tail_.clear();  // its entries have the other source of torque
     if (flywheel_.motion_updates() != motion_updates_) {
         motion_updates_ = flywheel_.motion_updates();
         tail_.clear();
@@ -289,7 +291,7 @@ std::vector<std::string> Meter::warnings() const {
                                   work_balance_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
-    // A rig that does not measure F_x knows nothing of the tyre's part.
+    // A rig that does not measure F_x does not know the tyre's energy.
     const bool too_little = f.energy_tyre_J != work_balance_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
     if (too_little || used_J > f.kinetic_energy_J + band_J)
         all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy", kEnergyUnbalanced, used_J * 1e-6,
