@@ -105,8 +105,8 @@ class FaultStart {
     bool reached_ = false;
 };
 
-/// The same stop without a fault. run_fault_free() throws std::runtime_error if it names faults or does not come to rest, since no comparison would be
-/// possible.
+/// The same stop without a fault. run_fault_free() throws std::runtime_error if it names faults or does not come to rest, since no comparison
+/// would be possible.
 struct FaultFree {
     double distance_m = 0.0;  ///< from brake-on to standstill
     double lasts_s = 0.0;     ///< from the start of the run to its end
