@@ -249,7 +249,8 @@ Signal MessageBinder::physical(std::string_view key, Quantity quantity, double r
             static_cast<void>(std::snprintf(number.data(), number.size(), "%g ", value / source.unit.factor));
             return number.data() + source.table.text("unit");
         };
-        source.table.fail(kSignalKey, at(*source.signal) + " ends at " + in_unit(max) + ", too narrow for this rig: it must reach " + in_unit(required));
+        source.table.fail(kSignalKey,
+                          at(*source.signal) + " ends at " + in_unit(max) + ", too narrow for this rig: it must reach " + in_unit(required));
     }
     return signal;
 }
