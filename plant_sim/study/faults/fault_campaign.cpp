@@ -14,9 +14,9 @@ namespace faults {
 namespace {
 
 /// FaultFree stops by surface and repetition, each run once.
-class SoundStops {
+class FaultFreeStops {
   public:
-    explicit SoundStops(const FaultPlan& plan) : plan_(plan), known_(plan.surfaces.size() * plan.repetitions) {}
+    explicit FaultFreeStops(const FaultPlan& plan) : plan_(plan), known_(plan.surfaces.size() * plan.repetitions) {}
 
     const FaultFree& of(const Case& c) {
         Entry& entry = known_[c.surface * plan_.repetitions + c.repetition];
@@ -38,7 +38,7 @@ class SoundStops {
 
 std::vector<Row> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options) {
     std::vector<std::optional<Row>> rows(numbers.size());
-    SoundStops sound(plan);
+    FaultFreeStops sound(plan);
     std::mutex mutex;
     std::size_t done = 0;
     const auto job = [&](std::size_t i) {
