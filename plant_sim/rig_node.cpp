@@ -21,7 +21,7 @@ using antiskid::control::Time;
 namespace {
 
 constexpr Time kMillisecond{1'000'000};
-constexpr Time kRepeat = 100 * kMillisecond;  // of the first cycle while the controller is not there yet
+constexpr Time kRepeat = 100 * kMillisecond;  // of the first cycle while there is no controller
 
 double milliseconds(Time t) {
     return static_cast<double>(t.count()) * 1e-6;
@@ -149,7 +149,7 @@ NodeResult RigNode::run_realtime(Time start_timeout, const std::atomic<bool>& st
             if (silent && tick.woke - view.command_received > start_timeout) {
                 return finish(Ending::silent, "antiskid-controller fell silent during the run; the valve driver has fallen back to no current");
             }
-            // The plant lives in the machine's time: periods that were missed have passed for it, too.
+            // The plant advances in real time, also by missed periods.
             for (std::uint64_t passed = 0; passed <= tick.skipped && !session_.done(); ++passed) {
                 session_.advance(current_mA, view.state);
                 observe(session_, view, current_mA);

@@ -60,7 +60,7 @@ struct Options {
     bool together = false;
 };
 
-/// All that is read from files and the command line, checked.
+/// Everything read from files and the command line, checked.
 struct Served {
     rig::LoadedRig plant;
     plc::ServedRigOptions rig;
@@ -164,7 +164,7 @@ Served load(const Options& o) {
     s.rig.map_version = s.map.version;
     if (o.spun_up) s.rig.rim_mps = s.plant.rig.brake_on_mps;
     s.rig.brake = o.brake.brake_of(s.plant.wear, o.seed);
-    if (!o.brake.state.empty())  // a place that cannot be written shows before anything runs
+    if (!o.brake.state.empty())  // reports a path that cannot be written before anything runs
         wear::write_brake_state(o.brake.state, s.rig.brake->state(), s.plant.wear);
     return s;
 }
@@ -191,12 +191,12 @@ void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::mo
         rig.cumulative_energy_J() * 1e-6);
 }
 
-/// Keeps the brake after each maneuver. Runs in the reporter's thread.
+/// Writes the brake's state after each maneuver. Called by the reporter's thread.
 class BrakeKeeper {
   public:
     BrakeKeeper(const Options& options, const wear::WearingBrake& brake) : file_(options.brake.state), brake_(brake), said_(brake.extrapolates()) {}
 
-    /// What there is to say about it.
+    /// Returns text for the report.
     std::string keep(const wear::BrakeState& state) {
         std::string text;
         if (!file_.empty()) {

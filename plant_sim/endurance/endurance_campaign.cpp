@@ -29,7 +29,7 @@ std::string rig_clock(double seconds) {
                        static_cast<unsigned>(date.day()), time.hours().count(), time.minutes().count(), time.seconds().count());
 }
 
-/// Files and options: a campaign goes on with both as they were.
+/// Files and options that must be unchanged when a campaign continues.
 std::string configuration(const EnduranceSetup& setup, const CampaignOptions& o) {
     if (!o.by_model && o.taken_J == 0.0) return setup.config_hash;
     std::string brake = fmt::format("{}", o.taken_J);
@@ -38,8 +38,8 @@ std::string configuration(const EnduranceSetup& setup, const CampaignOptions& o)
     return settings::hash_bytes(parts);
 }
 
-/// The brake before the next maneuver. Its energy is what the ledger says; the state file may be a maneuver behind, where the program was
-/// killed between the two.
+/// The brake before the next maneuver. Its energy is that of the ledger; the state file may be one maneuver behind if the program was killed between
+/// the two.
 wear::BrakeState brake_before(const CampaignOptions& o, const wear::BrakeWear& wear, const rig::record::Ledger& ledger, const std::string& campaign) {
     std::optional<wear::BrakeState> kept;
     if (!o.brake_state.empty()) kept = wear::find_brake_state(o.brake_state, wear);
@@ -110,7 +110,7 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
         rig::record::catch_up(*watch, ledger, rig::record::read_ledger(options.ledger, next.campaign));
     }
     const rig::Plan& mean = setup.scenario.mean;
-    std::optional<double> slip_reference;  // of the slip law alone
+    std::optional<double> slip_reference;  // only for the slip law
     if (mean.law == rig::BrakeLaw::slip) slip_reference = mean.slip_reference;
     while (const auto number = ledger.next_number()) {
         if (options.stop != nullptr && options.stop->load()) break;

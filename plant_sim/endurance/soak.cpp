@@ -14,7 +14,7 @@ namespace endurance {
 
 namespace {
 
-/// Mean and deviation of numbers that are not kept (Welford).
+/// Running mean and standard deviation (Welford).
 class Running {
   public:
     void add(double x) {
@@ -44,7 +44,7 @@ struct Third {
     double variance_of_mean_m2 = 0.0;
 };
 
-/// Of four spans.
+/// Mean of four spans.
 Third third(const SoakResult& result, std::size_t first) {
     double landings = 0.0;
     double sum_m = 0.0;

@@ -24,9 +24,9 @@ Rig::Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed
     }
 }
 
-/// The surface under the wheel stays for a step: 6 cm at 61 m/s.
+/// The surface under the wheel is constant within a step: 6 cm at 61 m/s.
 void Rig::update_surface() {
-    // Halfway is far from both ends: a wheel that water lets go, or takes again, passes it quickly.
+    // Halfway is far from both ends: a wheel that loses or regains contact in deep water passes it quickly.
     constexpr double kTurns = 0.5;
     const std::size_t patch = parameters_.runway.begun(runway_m());
     const bool spun_up = state_.omega_radps * parameters_.wheel.free_radius_m > kTurns * state_.v_mps;
@@ -94,8 +94,8 @@ void Rig::pass_idle(double seconds, const Drag& drag) {
     sense(0.0, before, time);
 }
 
-/// Uniform acceleration over the coming step. What the integrator will add to distance and angle at the speeds after it is taken back, so
-/// that both are those of the mean speed.
+/// Applies a uniform acceleration over the next step. The excess distance and angle that the integrator will add with the changed speeds is
+/// subtracted, so that both correspond to the mean speed.
 void Rig::push() {
     const double v0 = state_.v_mps;
     const double omega0 = state_.omega_radps;

@@ -24,7 +24,7 @@ using rig::record::RowState;
 
 namespace {
 
-/// A log has microseconds.
+/// Times in a log are in microseconds.
 bool same(const Frame& a, const Frame& b) {
     return a.id == b.id && a.length == b.length && a.data == b.data && a.received.count() / 1000 == b.received.count() / 1000;
 }
@@ -149,7 +149,7 @@ void CampaignAudit::check_known(const std::string& folder, Known& known) {
         if (known.begun) violated(folder + ": begun, and the ledger knows nothing of it");
         return;
     }
-    // The next start may adopt it by its summary.json.
+    // The next start may enter the maneuver by its summary.json.
     if (std::exchange(known.entry_refused, false) && row->state == RowState::finished) violated(folder + ": refused by the ledger, and entered");
     if (known.finished && row->state != RowState::finished) violated(folder + ": said to be finished, and the ledger does not say so");
     if (known.finished && row->counted_J != known.finished_J) violated(folder + ": its energy is another one");

@@ -40,7 +40,7 @@ class CellCampaign {
     CellCampaign(const CellSetup& setup, std::uint64_t seed, std::span<const PlannedFault> faults, const CellTrace& trace)
         : setup_(setup),
           trace_(trace),
-          draw_(wear::generator_of(seed, 2)),  // faults and disk have the others
+          draw_(wear::generator_of(seed, 2)),  // the other streams are for faults and disk
           period_(duration(static_cast<double>(setup.controller.period_s))),
           layout_(setup.bridge.layout),
           planned_(static_cast<std::int64_t>(1 + draw_() % 2)),
@@ -75,7 +75,7 @@ class CellCampaign {
         }
         if (out_.violations.empty()) {
             end_bridge(clock_.now());
-            disk_->restart();  // the power is cut at rest
+            disk_->restart();  // the power is cut at the end
             check_disk();
             check_numbers();
         }
@@ -120,9 +120,9 @@ class CellCampaign {
         rig.open_interlocks(setup_.interlocks_trip ? open_ : 0U);
     }
 
-    // --- what fails ---
+    // --- faults ---
 
-    /// What happens once.
+    /// Events at the beginning or end of a fault.
     void change(const PlannedFault& fault, bool begins) {
         trace_line(begins ? "begins: " + text(fault) : "is over: " + std::string(kCellFaultNames.at(static_cast<std::size_t>(fault.fault))));
         if (fault.fault == CellFault::clock_set) clock_.set_wall(duration(begins ? fault.set_s : -fault.set_s));
@@ -165,7 +165,7 @@ class CellCampaign {
         if (kind == DiskFault::power_cut || kind == DiskFault::kill) down_ = duration(fault.lasts_s);
     }
 
-    /// What lasts.
+    /// Effects that last as long as a fault.
     void apply() {
         for (FaultyBus::End* const end : {&at_rig_, &at_controller_, &bridge_send_bus_, &bridge_receive_bus_}) end->clear_faults();
         line_.shares.fill(0.0);
@@ -198,9 +198,9 @@ class CellCampaign {
         controller_.period(clock_.now());
     }
 
-    /// However it ends. What it has on the disk is looked at before the next one comes.
+    /// For any kind of end. The disk is checked before the next bridge starts.
     void end_bridge(Time until) {
-        line_.reachable = disk_->runs();  // else it dies without a word
+        line_.reachable = disk_->runs();  // a bridge without power sends nothing more
         bridge_.reset();
         account_.bridge_ended();
         apply();
@@ -287,7 +287,7 @@ class CellCampaign {
         if (phase_ == Phase::aborted) ++out_.aborts[std::string(rig::name(sequencer->abort()))];
     }
 
-    // --- what must hold ---
+    // --- invariants ---
 
     void witness(const FaultyBus::End& end, const Frame& frame, bool damaged) {
         if (damaged) return;
@@ -323,7 +323,7 @@ class CellCampaign {
     const antiskid::can::Layout& layout_;
     std::int64_t planned_;
     rig::Plan plan_;
-    std::int64_t max_sound_attempts_;  // one for each maneuver, and what a fault still spoils after its end
+    std::int64_t max_sound_attempts_;  // one per maneuver, and those that a fault still spoils after its end
     std::shared_ptr<const SimulatedDisk> disk_;
     std::shared_ptr<AllocationGate> gate_;
     CampaignAudit audit_;
@@ -343,7 +343,7 @@ class CellCampaign {
 
     std::unique_ptr<BridgeProgram> bridge_;
     Time bridge_away_{}, loop_away_{}, next_poll_{}, next_step_{};
-    Time down_{};  // for how long the next that ends the bridge does
+    Time down_{};  // downtime of the next fault that ends the bridge
     std::filesystem::path attempt_folder_;
     std::int64_t sound_attempts_ = 0;
     CellOutcome out_;

@@ -57,7 +57,7 @@ class DiskCampaign {
             once();
         }
         disk_->clear_faults();
-        constexpr int kClean = 2;  // a refusal that the first one is still told of
+        constexpr int kClean = 2;  // an earlier refusal may still be reported to the first one
         for (int i = 0; i < kClean && !complete_; ++i) once();
         if (!complete_) violated("the campaign does not come to its end though nothing fails any more");
         trace_line("power cut at rest");
@@ -89,7 +89,7 @@ class DiskCampaign {
         disk_->inject(when(), fault, fault == DiskFault::no_space ? 1 + below(30) : 1);
     }
 
-    /// The program, until it ends; and what it has left.
+    /// One run of the program, and the check of what it left.
     void once() {
         ++out_.starts;
         trace_line(fmt::format("start {}", out_.starts));
@@ -124,7 +124,7 @@ class DiskCampaign {
         complete_ = true;
     }
 
-    /// False: its record is not whole, and the program ends.
+    /// False: the record is incomplete, and the program ends.
     bool maneuver(rig::record::Ledger& ledger, const Attempt& attempt) {
         Summary summary = summary_of(attempt, "finished");
         const double taken_J = setup_.taken_J(ledger);
@@ -153,13 +153,13 @@ class DiskCampaign {
         return true;
     }
 
-    /// A dead program says nothing.
+    /// A dead program reports nothing.
     void say_finished(const Attempt& attempt, const Summary& summary) {
         audit_.finished(attempt, summary.figures.energy_brake_J);
         if (disk_->runs()) trace_line(fmt::format("maneuver {} finished, {} J", attempt.number, summary.frames));
     }
 
-    /// Why the record is not whole; empty where it is.
+    /// Reason why the record is incomplete; empty: it is complete.
     std::string record(const Attempt& attempt) {
         CampaignAudit::Known& known = audit_.of(attempt);
         auto file = std::make_unique<rig::record::AppendFile>(attempt.folder / "bus.log", *storage_);

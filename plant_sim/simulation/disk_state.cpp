@@ -183,7 +183,7 @@ void DiskState::restart() {
 }
 
 void DiskState::lose_cache() {
-    // Of a disk that was idle long before all is there, of one in the middle of its work a part.
+    // A disk that was idle has everything, one that was writing a part.
     constexpr std::array kShares{0.0, 0.5, 0.9, 1.0};
     const double share = kShares.at(generator() % kShares.size());
     for (const NodePointer& node : nodes_) {
@@ -193,7 +193,7 @@ void DiskState::lose_cache() {
     for (const NameChange& change : cached_names_)
         if (happens(share)) apply(change, stored_names_);
     cached_names_.clear();
-    // In order of their names, so that a directory comes before what is in it.
+    // In the order of names, so that a directory precedes its contents.
     for (auto entry = stored_names_.begin(); entry != stored_names_.end();)
         entry = stored_names_.contains(parent(entry->first)) ? std::next(entry) : stored_names_.erase(entry);
     names = stored_names_;

@@ -58,7 +58,7 @@ TorqueReplay replay_torques(const wear::Campaign& recorded, const rig::LoadedRig
     out.simulated.points.reserve(recorded.points.size());
     const double start_J = brake.state().c_e_J;
     for (const wear::Braking& braking : recorded.brakings) {
-        // The model is of readings of eq. (7). NaN, where no brake reads so little, is the least that there is.
+        // The model is one of readings of eq. (7). NaN, if no brake reads so little, becomes the smallest possible friction.
         const double mean = rig::mean_of_measured(rig.rig.friction_curve, brake.next_friction(), rig.drop_out_mps / braking.brake_on_mps);
         rig.rig.mean_friction = std::fmax(mean, rig::min_mean_friction(rig.rig.friction_curve));
         const TorqueStop stop = stop_by_torque(rig, braking);

@@ -231,7 +231,7 @@ class ModbusClient::Impl {
         return std::nullopt;
     }
 
-    /// With the mutex held.
+    /// Requires the mutex.
     void look_at_plc() {
         const double watchdog = at(shown_.values, Measured::plc_watchdog);
         const auto applied = static_cast<std::uint16_t>(at(shown_.values, Measured::applied_commit));
@@ -243,7 +243,7 @@ class ModbusClient::Impl {
         }
         plc_watchdog_ = watchdog;
         if (!watchdog_at_) return;
-        // The first reading after our watchdog moved; once the PLC's own has moved on, it has seen that.
+        // This is the first reading after our watchdog counted; when the PLC's own has counted once more, the PLC has seen ours.
         if (!plc_watchdog_before_) plc_watchdog_before_ = watchdog;
         supervised_ = supervised_ || *plc_watchdog_before_ != watchdog;
     }
@@ -272,7 +272,7 @@ class ModbusClient::Impl {
         return std::nullopt;
     }
 
-    /// Only if the PLC runs and has seen our watchdog change: it would refuse commands of a bridge that it takes for dead.
+    /// Only if the PLC runs and has seen our watchdog count: it rejects commands of a bridge that it takes for dead.
     Failed send_command() {
         std::optional<RegisterImage> image;
         {
@@ -305,7 +305,7 @@ class ModbusClient::Impl {
         ++shown_.counters.requests;
     }
 
-    // Of the client's thread.
+    // Used only by the client's thread.
     const RegisterMap map_;
     const std::function<ClockTime()> now_;
     PlcConnection connection_;
@@ -314,9 +314,9 @@ class ModbusClient::Impl {
     const std::vector<Block> command_blocks_;
     RegisterImage inputs_;
     std::uint16_t watchdog_ = 0;
-    std::optional<ClockTime> watchdog_at_;  // moved last; none: not since the link was opened, or the user came back
+    std::optional<ClockTime> watchdog_at_;  // last count; none: none since the link was opened or the user returned
     std::optional<double> plc_watchdog_before_;
-    bool supervised_ = false;  // the PLC has seen our watchdog move
+    bool supervised_ = false;  // the PLC has seen our watchdog count
 
     StopSignal stop_;
     mutable std::mutex mutex_;  // guards what follows; never held while waiting for the PLC

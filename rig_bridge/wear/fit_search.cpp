@@ -16,11 +16,11 @@ namespace wear {
 namespace {
 
 // Chosen on the arena's laws with lives of 1,000 landings (seeds 1 and 700000), a known mixture and draws from the shipped model (seed 1).
-constexpr int kShort = 12;               // EM steps after which the less likely of an order's runs are dropped
-constexpr std::size_t kAfterShort = 20;  // how many go on
+constexpr int kShort = 12;               // EM steps after which the less likely runs of an order are dropped
+constexpr std::size_t kAfterShort = 20;  // number of runs that continue
 constexpr int kLong = 60;
-constexpr std::size_t kToTheEnd = 6;  // how many are carried on after these, and how many maxima are kept
-constexpr std::size_t kMerges = 10;   // of all pairs, those that lose least
+constexpr std::size_t kToTheEnd = 6;  // number of runs continued to convergence, and of maxima kept
+constexpr std::size_t kMerges = 10;   // number of pairs, those whose merger loses least
 constexpr int kSweeps = 4;            // down and up again
 
 using Runs = std::vector<EmRun>;  // of one order
@@ -31,7 +31,7 @@ void keep_best(Runs& runs, std::size_t count) {
 }
 
 void take(OrderSearch& order, const EmRun& run) {
-    constexpr double kSame = 1e-3;  // maxima that are nearer than this are taken for one
+    constexpr double kSame = 1e-3;  // maxima closer than this count as one
     const auto same = [&](const OrderSearch::Local& l) { return std::abs(l.run.log_likelihood - run.log_likelihood) < kSame; };
     if (const auto known = std::find_if(order.best.begin(), order.best.end(), same); known != order.best.end()) {
         if (run.log_likelihood > known->run.log_likelihood) known->run = run;
@@ -49,7 +49,7 @@ class Search {
           settings_(settings),
           control_(control),
           starts_(static_cast<std::size_t>(settings.starts)),
-          // One order more than is asked for, where the data bear it.
+          // One order more than requested, if there are enough data.
           orders_(std::min(settings.max_components + 1, std::max(settings.max_components, points.size() / 6)) - settings.min_components + 1),
           steps_(orders_.size() * starts_ + (1 + 2 * kSweeps) * (orders_.size() - 1)) {}
 
@@ -119,7 +119,7 @@ class Search {
     void from_random() {
         std::vector<Runs> runs(orders_.size(), Runs(starts_));
         each(orders_.size() * starts_, [&](std::size_t job) {
-            const std::size_t order = orders_.size() - 1 - job / starts_;  // the long ones first, so that threads end together
+            const std::size_t order = orders_.size() - 1 - job / starts_;  // high orders first, so that threads end at the same time
             const std::size_t start = job % starts_;
             const std::size_t m = settings_.min_components + order;
             constexpr int kLloyd = 10;

@@ -96,7 +96,7 @@ double share_of_life(double c_e_J, const std::vector<double>& filter_J, const st
 
 std::vector<double> corrected(std::vector<double> filter, std::vector<double> lives, double now, const Correction& c) {
     const std::size_t n = filter.size();
-    // What no brake is likely to have lasted, this one does not last either: a filter that goes astray goes far.
+    // Lifetimes that no past brake is likely to have had are excluded: a filter that diverges is far off.
     for (double& x : filter) x = std::clamp(x, lives.front(), lives.back());
     for (std::size_t i = 0; i < n; ++i) filter[i] = c.filter * filter[i] + (1.0 - c.filter) * lives[i];
     std::vector<std::pair<double, double>> pool;
@@ -111,7 +111,7 @@ std::vector<double> corrected(std::vector<double> filter, std::vector<double> li
         for (; i < n && static_cast<double>(i) + 0.5 <= below; ++i) filter[i] = x;
     }
     for (; i < n; ++i) filter[i] = pool.back().first;
-    // Of brakes that are none of its kind nothing is known to correct.
+    // For brakes of another kind no correction is known.
     const double factor = 1.0 + c.population_probability * (c.widening - 1.0);
     const double median = filter[n / 2];
     for (double& x : filter) x = std::max(now, median + factor * (x - median));

@@ -28,7 +28,7 @@ double covariance(const std::vector<double>& residuals, std::size_t lag) {
     return sum / static_cast<double>(residuals.size() - lag);
 }
 
-/// An autoregression seen through white noise: gamma_k = remembered^2 memory^k for k >= 1, and fresh^2 more for k = 0.
+/// Autoregression with white noise: gamma_k = remembered^2 memory^k for k >= 1, and additionally fresh^2 for k = 0.
 Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<MeanCurve>& curves) {
     constexpr std::size_t kLags = 4;
     std::array<double, kLags> gamma{};
@@ -40,7 +40,7 @@ Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<Mea
     }
     Scatter out;
     constexpr double kMaxMemory = 0.95;
-    // Two ratios, weighed by what they are known with.
+    // Mean of two ratios, weighted by their precision.
     const double sum = gamma[1] + gamma[2];
     out.memory = sum > 0.0 ? std::clamp((gamma[2] + gamma[3]) / sum, 0.0, kMaxMemory) : 0.0;
     const double min_fresh = 0.01 * gamma[0];
@@ -50,7 +50,7 @@ Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<Mea
     return out;
 }
 
-/// The others' curves.
+/// The population without brake `k`.
 Population without(const Population& all, std::size_t k) {
     Population others;
     others.scatter = all.scatter;
@@ -62,7 +62,7 @@ Population without(const Population& all, std::size_t k) {
     return others;
 }
 
-/// log p of every maneuver given those before it, each brake given the curves of the others.
+/// log p of each maneuver given the earlier ones, for each brake with the curves of the others.
 double left_out_maneuvers(const std::vector<Campaign>& campaigns, const Population& all) {
     double sum = 0.0;
     for (std::size_t k = 0; k < campaigns.size(); ++k) {
@@ -76,8 +76,8 @@ double left_out_maneuvers(const std::vector<Campaign>& campaigns, const Populati
     return sum;
 }
 
-/// Three limits that every brake crosses, between the highest friction that any of them ends with and the lowest that any of them has in the
-/// middle of its life.
+/// Three limits that every brake crosses, between the highest final friction of any brake and the lowest friction of any brake in the middle of its
+/// life.
 std::vector<double> limits_of(const std::vector<MeanCurve>& curves) {
     double end = 0.0;
     double middle = 1.0;
@@ -100,7 +100,7 @@ struct Asked {
 
     [[nodiscard]] double share() const { return share_of_life(now_J, filter_J, lives_J); }
     [[nodiscard]] double loss(const Correction& c) const { return crps(corrected(filter_J, lives_J, now_J, c), truth_J) / truth_J; }
-    /// Distance of the truth from the median, over that of the interval's end on its side.
+    /// Distance of the truth from the median, relative to that of the interval's end on the same side.
     [[nodiscard]] double stretch(const Correction& c) const {
         const std::vector<double> all = corrected(filter_J, lives_J, now_J, c);
         const std::size_t n = all.size();
@@ -110,11 +110,11 @@ struct Asked {
     }
 };
 
-/// Each brake given the curves of the others. A life ends where the brake's own curve is below the limit.
+/// Forecasts for each brake with the curves of the others. A life ends when the brake's own curve is below the limit.
 std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all, unsigned threads) {
     double longest_J = 0.0;
     for (const MeanCurve& c : all.members) longest_J = std::max(longest_J, c.last_J());
-    // Energy counts here, not landings: fewer and larger ones than in any use cost nothing but resolution.
+    // Only energy matters here, not landings: fewer and larger landings than in use reduce only the resolution.
     const LandingMix mix{{"step", 1.0, longest_J / 200.0, 0.0}};
     ForecastSettings settings;
     settings.horizon = 400;
@@ -152,7 +152,7 @@ double nearness(const Asked& asked, std::size_t tenth) {
     return std::exp(-0.5 * off * off);
 }
 
-/// The filter's weight with which forecasts lose least at each tenth of life; returns what they lose.
+/// Chooses the filter's weight with the least loss at each tenth of life; returns that loss.
 double choose_filter_weight(const std::vector<Asked>& asked, ForecastCalibration::Tenths& weights) {
     double sum = 0.0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -185,7 +185,7 @@ double weighted_quantile(std::vector<std::pair<double, double>> weighed, double 
     return weighed.back().first;
 }
 
-/// Spread of the energy scale and fading of evidence by what forecasts lose, then what those say about brakes that were left out.
+/// Fits the spread of the energy scale and the fading of evidence to the loss of forecasts, then calibrates their intervals on left-out brakes.
 void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population, unsigned threads) {
     Spread best = population.spread;
     double least = std::numeric_limits<double>::infinity();
@@ -217,13 +217,13 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
         near.reserve(asked.size());
         for (const Asked& a : asked)
             near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.population_probability, 1.0}), nearness(a, k));
-        // No brake more is counted, as split conformal prediction does: those left out had one life less to learn from than the next one has.
-        // Never narrower: that brakes left out lay nearer than foretold may be chance.
+        // No additional brake is counted, unlike in split conformal prediction: the left-out brakes had one life less to learn from than the next
+        // brake has. Intervals never become narrower: left-out brakes may be nearer to their forecasts by chance.
         out.widening.at(k) = std::clamp(weighted_quantile(std::move(near), 0.8), 1.0, kMaxWidening);
     }
 }
 
-/// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
+/// Limits from `healthy` campaigns of other brakes; without any, from the campaigns themselves, each with the curves of the others.
 HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all, unsigned threads) {
     const std::vector<Campaign>& watched = healthy.empty() ? campaigns : healthy;
     std::vector<HealthLimits> greatest(watched.size());

@@ -104,7 +104,7 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     config.prices = {.brake = price("brake"), .tyre = price("tyre"), .visit = price("visit"), .metre = price("metre")};
     config.files = {file, table};
     doc.finish();
-    try {  // also on surfaces that nobody names: one day one of them is seen
+    try {  // also for surfaces that are not listed: one of them may occur later
         for (const SurfaceTable::Row& row : config.floor.rows) static_cast<void>(config.range_on(row.surface));
     } catch (const std::invalid_argument& e) {
         floor.fail("j_mu", e.what());

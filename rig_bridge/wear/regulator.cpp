@@ -82,7 +82,7 @@ Reading Regulator::judge(const Landing& l) const {
 void Regulator::learn(const Landing& l) {
     measured_share_ = l.tyre_J / (l.tyre_J + l.brake_J);
     learnt_ += 1.0;
-    constexpr double kTrustInOne = 4.0;  // landings that the first guess, eq. (9) at constant slip, is worth
+    constexpr double kTrustInOne = 4.0;  // weight of the first guess, eq. (9) at constant slip, in landings
     const double gain = std::max(1.0 / (learnt_ + kTrustInOne), rules_.adaptation);
     const double seen = measured_share_ / (l.expected_share > 0.0 ? l.expected_share : l.reference);
     share_per_slip_ = std::clamp(share_per_slip_ + gain * (seen - share_per_slip_), kMinSharePerSlip, kMaxSharePerSlip);
@@ -90,7 +90,7 @@ void Regulator::learn(const Landing& l) {
     kinetic_landings_ += 1.0;
 }
 
-/// The table may be wrong about this runway: what was measured below the floor moves the bound on that side.
+/// The table may be wrong for this runway: a measurement below the floor moves the bound on that side.
 void Regulator::guard(const Landing& l) {
     if (!(l.j_mu > 0.0 && l.j_mu < rules_.j_mu_floor)) return;
     const double middle = rules_.default_reference;
@@ -100,7 +100,7 @@ void Regulator::guard(const Landing& l) {
         range_.lowest = std::min(middle, std::max(range_.lowest, l.reference + rules_.step));
 }
 
-/// A landing of which nothing is known wears all the same.
+/// A landing without measurement wears, too.
 void Regulator::estimate(const Landing& l) {
     const double max_J = plan_.landing_J + 10.0 * plan_.landing_deviation_J;
     const bool known = l.kinetic_J > 0.0 && l.kinetic_J <= max_J;
@@ -112,7 +112,7 @@ void Regulator::estimate(const Landing& l) {
     guessed_brake_J_ += (1.0 - share) * energy_J;
 }
 
-/// The brake's cumulative energy tells what the landings in between took: the tyre's part of them is in proportion.
+/// The brake's cumulative energy determines the energy of the landings in between; the tyre's is in proportion.
 void Regulator::settle(double brake_wear_J) {
     if (guessed_brake_J_ > 0.0) {
         const double took_J = brake_wear_J - (brake_J_ - guessed_brake_J_);

@@ -13,7 +13,7 @@ namespace faults {
 
 namespace {
 
-/// FaultFree stops by surface and repetition, each run once.
+/// Fault-free stops by surface and repetition, each run once.
 class FaultFreeStops {
   public:
     explicit FaultFreeStops(const FaultPlan& plan) : plan_(plan), known_(plan.surfaces.size() * plan.repetitions) {}
@@ -107,7 +107,7 @@ FaultPlan load_plan(const FaultPlanOptions& options) {
         plan.drop_out_mps = loaded.drop_out_mps;
         files = loaded.files;
     }
-    // Long enough that a fault at standstill is seen before and after the release.
+    // Long enough for a fault at standstill to act before and after the release.
     plan.maneuver.after_standstill_s = 0.6;
     plan.maneuver.release_s = 0.6;
     files.insert(files.end(), {controller, dbc, binding});

@@ -16,7 +16,7 @@ namespace study::margins {
 
 namespace {
 
-/// Over one period: pressure and its rate, the wheel's state of linear_wheel.hpp, the integral of the rim's slip since the period began.
+/// One period: pressure and its rate, the wheel's state of linear_wheel.hpp, the integral of the rim's slip since the beginning of the period.
 struct SampledPlant {
     Eigen::MatrixXd phi;
     Eigen::VectorXd old_input, new_input;  ///< of the command before and after the broken part of the delay
@@ -29,8 +29,7 @@ double slope(const std::vector<rig::PressureMap::Point>& points, double p) {
     return (points[i].pressure_Pa - points[i - 1].pressure_Pa) / (points[i].current_mA - points[i - 1].current_mA);
 }
 
-/// `per_pressure`: q of `wheel` per unit of pressure; `per_command`: pressure per unit of command; `broken_s`: of the delay, beyond
-/// whole periods.
+/// `per_pressure`: q of `wheel` per unit of pressure; `per_command`: pressure per unit of command; `broken_s`: the fractional part of the delay.
 SampledPlant sampled_plant(const rig::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command, double period_s,
                            double broken_s) {
     const Eigen::Index rim = 2, n = wheel.a.rows(), integral = rim + n, input = integral + 1;
@@ -49,7 +48,7 @@ SampledPlant sampled_plant(const rig::ValveParameters& valve, const LinearWheel&
             second.topLeftCorner(input, input) * first.topRightCorner(input, 1), second.topRightCorner(input, 1)};
 }
 
-/// Gain of the plant's valve over the one that the controller divides by, at a pressure.
+/// Gain of the plant's valve over the controller's, at a pressure.
 double valve_gain(const antiskid::control::ValveConfig& believed, const rig::PressureMap& map, double pressure_Pa) {
     std::vector<rig::PressureMap::Point> points;
     points.reserve(believed.points);
@@ -152,8 +151,7 @@ class Period {
     }
     [[nodiscard]] double acting_s(double answer) const { return answer > 0.0 ? h_ / (1.0 + answer * h_) : h_; }
 
-    /// Gains of the observer that has settled: at the equilibrium nothing moves that would show the answer, and speed and road are a linear
-    /// filter by themselves.
+    /// Gains of the settled observer: at the equilibrium nothing reveals the answer, and speed and road form a linear filter.
     struct Gains {
         double slip = 0.0, road = 0.0;
     };
@@ -200,7 +198,7 @@ class Period {
 
     double control(VectorXd& x, bool new_reading) const {
         const Index v = valve_at();
-        if (correct_offset_ == 0.0) x[v + 5] = 0.0;  // not learnt: no state, and no integral either
+        if (correct_offset_ == 0.0) x[v + 5] = 0.0;  // not learnt: neither a state nor an integral
         const double before = x[v];
         Vector2d valve = model_.phi * x.segment<2>(v) + model_.gamma * (input(x, 0) + x[v + 5]);
         const double innovation = x[motion_at()] - valve[0];
@@ -241,7 +239,7 @@ class Period {
         const Index p = plant_at(), m = motion_at();
         for (Index i = m - 1; i > p; --i) x[i] = x[i - 1];
         x[p] = w;
-        // The command of `pipe_` periods ago acts once the broken part of the delay has passed, until then the one before it.
+        // The command of `pipe_` periods ago acts after the fractional part of the delay, before that the previous one.
         const Index acting = p + static_cast<Index>(pipe_);
         const Index moving = 2 + wheel_states_;
         VectorXd motion(moving + 1);

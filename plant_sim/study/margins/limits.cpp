@@ -10,7 +10,7 @@ namespace study::margins {
 namespace {
 
 double min_delay_s(double delay_s, double period_s) {
-    constexpr double kRounding = 1e-6;  // a period that was a float
+    constexpr double kRounding = 1e-6;  // of a period stored as float
     return period_s > 0.0 ? period_s * (1.0 + std::floor(delay_s / period_s + kRounding)) : delay_s;
 }
 

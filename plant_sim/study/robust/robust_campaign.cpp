@@ -38,7 +38,7 @@ ComparedLaw peer_of(const std::string& word) {
     throw std::invalid_argument("unknown law '" + word + "'; there are slip, peak_slip, threshold, pressure_bias, told_peak, soonest, wary");
 }
 
-/// As far as the controller takes a reference.
+/// Limited to the references that the controller accepts.
 double peak_slip(const rig::Surface& surface) {
     return std::min(rig::peak(surface).slip, static_cast<double>(antiskid::control::kMaxSlipReference));
 }
@@ -51,7 +51,7 @@ Family family_of(const std::string& word) {
     throw std::invalid_argument("unknown family '" + word + "'; there are " + known);
 }
 
-/// What two processes must have alike to work on one campaign.
+/// Properties that must be equal in all processes of one campaign.
 std::string identity_of(const RobustPlan& plan) {
     std::string text = fmt::format("{} {} {} {}", ANTISKID_VERSION, plan.config_hash, plan.seed, plan.draws);
     for (const Family family : plan.families) text.append(" ").append(name(family));
@@ -66,7 +66,7 @@ Row row_of(const RobustPlan& plan, std::size_t stop) {
         .family = *family, .law = stop / plan.draws_of(*family), .number = stop % plan.draws_of(*family), .figures = {}, .faults = {}, .regrip = {}};
 }
 
-/// A stop as processes hand it over: its bytes, since all of them are the same program.
+/// A stop as it is sent between processes: as bytes, since all run the same program.
 struct Finished {
     std::size_t stop = 0;
     Row row;
@@ -86,7 +86,7 @@ Finished read(std::string_view text) {
     return finished;
 }
 
-/// A row that nobody has driven.
+/// Row of a bound, without simulation.
 Row bound_of(const RobustPlan& plan, Row row) {
     const rig::RigParameters rig = grid_stop(plan.basis, row.family, row.number).rig;
     const double period_s = std::chrono::duration<double>(study::period_of(plan.controller)).count();

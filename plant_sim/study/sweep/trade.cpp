@@ -13,7 +13,7 @@ namespace sweep {
 namespace {
 
 constexpr double kPerMJ = 1e-6;
-constexpr double kSame = 1e-12;  // costs that differ by no more are equal but for rounding
+constexpr double kSame = 1e-12;  // a smaller difference of costs is rounding
 
 double cost_of(const Tariff& tariff, const ReferenceMeans& o) {
     if (const auto* price = std::get_if<Prices>(&tariff))
@@ -39,7 +39,7 @@ void check(const StopsTable& sweep, const TradeOptions& options) {
                            sweep.identity.stops()));
 }
 
-/// The landings of a sweep, each `weights` times.
+/// The landings of a sweep with weights.
 class Sample {
   public:
     Sample(const StopsTable& sweep, const Tariff& tariff) : sweep_(sweep), tariff_(tariff) {}
@@ -96,7 +96,7 @@ bool within(const ReferenceMeans& o, const Bounds& bounds) {
     return !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
 }
 
-/// The cheapest within the bounds; of equally cheap ones that with the greatest J_mu. The end where there is none.
+/// Index of the cheapest within the bounds, among equally cheap ones that with the greatest J_mu; the size if there is none.
 std::size_t best_of(const std::vector<ReferenceMeans>& offers, const Bounds& bounds) {
     std::size_t best = offers.size();
     for (std::size_t i = 0; i < offers.size(); ++i) {
@@ -114,7 +114,7 @@ std::size_t best_of(const std::vector<ReferenceMeans>& offers, const Bounds& bou
 
 BindingLimit deciding(const std::vector<ReferenceMeans>& offers, std::size_t best, const Bounds& bounds) {
     if (offers[best].cost == 0.0) return BindingLimit::no_cost;
-    for (const std::size_t next : {best - 1, best + 1}) {  // before the first wraps round to beyond the last
+    for (const std::size_t next : {best - 1, best + 1}) {  // before the first, the index wraps round to a value beyond the last
         if (next >= offers.size() || offers[next].cost >= offers[best].cost * (1.0 - kSame)) continue;
         return bounds.min_j_mu && offers[next].j_mu < *bounds.min_j_mu ? BindingLimit::min_j_mu : BindingLimit::max_distance;
     }

@@ -64,7 +64,7 @@ bool by_life(const TradeOptions& options) {
     return std::holds_alternative<Lives>(options.tariff);
 }
 
-/// Small numbers stay readable, whatever the currency.
+/// Small numbers stay readable in any currency.
 std::string cost_text(const ReferenceMeans& o, const TradeOptions& options) {
     return by_life(options) ? fmt::format("{:.1f}", 1.0 / o.cost) : fmt::format("{:.5g}", o.cost);
 }
@@ -73,7 +73,7 @@ std::string saving_text(const Saving& s, const char* than, const TradeOptions& o
     if (!by_life(options))
         return fmt::format("  saves against {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, s.share * 100.0, s.interval.low * 100.0,
                            s.interval.high * 100.0);
-    // A cost that is smaller by s makes 1 / (1 - s) times the landings.
+    // A cost reduced by s gives 1 / (1 - s) times as many landings.
     const auto more = [](double share) { return (1.0 / (1.0 - share) - 1.0) * 100.0; };
     return fmt::format("  landings more than with {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, more(s.share), more(s.interval.low),
                        more(s.interval.high));
@@ -86,7 +86,7 @@ std::string bounds_text(const Bounds& bounds) {
     return text.empty() ? "no bound" : text;
 }
 
-/// `y` of every offer over its cost. Points alone: along the references cost falls and rises again.
+/// `y` over the cost of all references, as points: along the references the cost falls and rises again.
 template <typename Y>
 pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y_label, const std::optional<double>& bound, const Y& y) {
     using pictures::Series;

@@ -14,7 +14,7 @@ std::vector<std::size_t> order_of_work(std::size_t pieces) {
     rig::Random random(kShuffle);
     std::vector<std::size_t> numbers(pieces);
     std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-    // Fisher and Yates; std::shuffle is not the same with every standard library. Its bias from % is of no concern here.
+    // Fisher and Yates; std::shuffle differs between standard libraries. The bias of % does not matter here.
     for (std::size_t i = pieces; i > 1; --i) std::swap(numbers[i - 1], numbers[static_cast<std::size_t>(random.bits() % i)]);
     return numbers;
 }
