@@ -16,7 +16,7 @@ namespace wear {
 
 namespace {
 
-/// Limits from brakes that are drawn from the model by the rule of eq. (14) with the larger scatter.
+/// Limits from brakes that are drawn from the model with eq. (14), by either choice of component; the larger ones count.
 HealthLimits limits_of_simulated(const Population& population) {
     constexpr std::uint64_t kBrakes = 500;
     const Model& model = population.models.front();
