@@ -46,7 +46,6 @@ class MessageBinder {
     [[nodiscard]] Signal clock(std::string_view key);
 
     [[nodiscard]] const settings::Table& table() const { return table_; }
-    [[nodiscard]] const DbcMessage& dbc_message() const { return *message_; }
 
   private:
     struct Source {

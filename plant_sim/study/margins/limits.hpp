@@ -27,9 +27,6 @@ struct Limits {
 /// `wheel_pole_radps`: see OperatingPoint; without limits if it is not negative. `period_s` 0: a controller in continuous time.
 [[nodiscard]] Limits limits(double wheel_pole_radps, double delay_s, double period_s);
 
-/// The fastest unstable pole, rad/s, for which limits() allow the requirement.
-[[nodiscard]] double fastest_pole_radps(const Requirement& requirement, double delay_s, double period_s);
-
 /// Upward gain margin, dB, in the brake's gain (or in the valve's, if its offset is not learnt), of feed-forward and proportional gain on a stable
 /// wheel that is faster than the loop. Slip and road torque then follow the pressure at once: for a pressure p the law requests p minus (k_p / a +
 /// k_answer) p, so that from a gain of 1 / (1 - k_answer - k_p / a) on the pressure creeps up. Derivative terms and estimator have no effect; the
