@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <charconv>
-#include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "firmware/host/settings/command_line.hpp"
 #include "plant_sim/wear/brake_state.hpp"

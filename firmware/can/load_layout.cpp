@@ -1,8 +1,6 @@
 #include "firmware/can/load_layout.hpp"
 
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "firmware/can/message_binder.hpp"

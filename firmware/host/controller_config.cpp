@@ -1,6 +1,5 @@
 #include "firmware/host/controller_config.hpp"
 
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>

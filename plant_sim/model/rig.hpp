@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "plant_sim/model/brake.hpp"
 #include "plant_sim/model/compliant_wheel.hpp"

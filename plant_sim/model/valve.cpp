@@ -1,6 +1,5 @@
 #include "plant_sim/model/valve.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>

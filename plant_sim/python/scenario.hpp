@@ -3,9 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "firmware/host/settings/text_table.hpp"

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "firmware/host/seconds.hpp"

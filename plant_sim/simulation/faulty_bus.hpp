@@ -6,7 +6,6 @@
 #include <array>
 #include <deque>
 #include <functional>
-#include <string_view>
 
 #include "firmware/can/bus.hpp"
 #include "rig_bridge/wear/draw.hpp"

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <deque>
-#include <functional>
 #include <vector>
 
 #include "firmware/host/settings/file_descriptor.hpp"

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "firmware/control/types.hpp"
 #include "plant_sim/study/stop_meter.hpp"

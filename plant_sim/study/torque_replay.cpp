@@ -1,9 +1,7 @@
 #include "plant_sim/study/torque_replay.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "plant_sim/study/stop_meter.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"

@@ -2,7 +2,6 @@
 /// pressure is computed from torque and friction, and energy is eq. (9) of the plant's own motion.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 
 #include "rig_bridge/rig/load_rig.hpp"

@@ -1,7 +1,6 @@
 #include "rig_bridge/record/append_file.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <utility>

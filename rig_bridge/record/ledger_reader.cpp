@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
 #include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/figure_fields.hpp"

@@ -29,7 +29,6 @@
 /// for which stops_controller() is true also send the emergency stop during aborting. NaN counts as missing: its source is treated as silent.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>

@@ -1,7 +1,6 @@
 #include <sys/stat.h>
 
 #include <chrono>
-#include <cmath>
 
 #include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"

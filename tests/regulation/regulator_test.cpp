@@ -5,7 +5,6 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "tests/catch.hpp"

@@ -1,6 +1,5 @@
 // What campaigns on the simulated disk once found, each by itself.
 #include <memory>
-#include <string>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/simulation/simulated_disk.hpp"

@@ -2,8 +2,6 @@
 #include "firmware/can/socket_can.hpp"
 
 #include <array>
-#include <ctime>
-#include <stdexcept>
 #include <string>
 #include <vector>
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "plant_sim/study/faults/evidence.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"

@@ -1,6 +1,5 @@
 #include "plant_sim/study/margins/linear_wheel.hpp"
 
-#include <algorithm>
 #include <numbers>
 
 #include "plant_sim/study/margins/dense.hpp"
