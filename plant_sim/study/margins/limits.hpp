@@ -5,8 +5,8 @@
 /// e^{p h (1 + floor(tau / h))}. From gamma follow the largest phase margin, 2 asin(1 / gamma), and the largest range of gains that one controller
 /// can hold, ((gamma + 1) / (gamma - 1))^2 from end to end (Doyle, Francis, Tannenbaum, Feedback Control Theory, 1992, sections 11.3 and 11.4; both
 /// proofs use only that factor of T of the plant). Bandwidth, noise and the valve's range are not considered: what is infeasible here is certainly
-/// infeasible, the rest may be. A periodically varying controller may have a larger range of gains (Khargonekar, Poolla, Tannenbaum, IEEE Trans.
-/// Automatic Control 30, 1985).
+/// infeasible, and other cases may be infeasible, too. A periodically varying controller may have a larger range of gains (Khargonekar, Poolla,
+/// Tannenbaum, IEEE Trans. Automatic Control 30, 1985).
 #pragma once
 
 namespace study::margins {
