@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <new>
+#include <random>
 #include <string>
 #include <type_traits>
 

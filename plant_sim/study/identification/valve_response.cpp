@@ -1,6 +1,7 @@
 #include "plant_sim/study/identification/valve_response.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace identification {
 
