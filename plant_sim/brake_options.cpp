@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <charconv>
-#include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "firmware/host/settings/command_line.hpp"
 #include "plant_sim/wear/brake_state.hpp"
@@ -51,18 +49,18 @@ void BrakeOptions::add_to(CLI::App& app) {
             ->group("Friction drawn from the model of [brake.wear], eq. (14), and not by its law");
 }
 
-wear::BrakeWear BrakeOptions::asked_of(wear::BrakeWear rig) const {
+wear::BrakeWear BrakeOptions::requested_wear(wear::BrakeWear rig) const {
     if (by_model) rig.law.reset();
     return rig;
 }
 
-double BrakeOptions::taken_J(const wear::BrakeWear& wear) const {
+double BrakeOptions::initial_energy_J(const wear::BrakeWear& wear) const {
     if (brake.empty() || brake == "new") return 0.0;
     return brake == "worn" ? wear.life_J : energy_J(brake).value();
 }
 
 wear::WearingBrake BrakeOptions::brake_of(const wear::BrakeWear& rig, std::uint64_t seed) const {
-    const wear::BrakeWear wear = asked_of(rig);
+    const wear::BrakeWear wear = requested_wear(rig);
     if (!state.empty()) {
         if (const auto kept = wear::find_brake_state(state, wear)) {
             if (!brake.empty())
@@ -71,7 +69,7 @@ wear::WearingBrake BrakeOptions::brake_of(const wear::BrakeWear& rig, std::uint6
             return {wear, rule, *kept};
         }
     }
-    return {wear, rule, {.seed = seed, .maneuvers = 0, .c_e_J = taken_J(wear)}};
+    return {wear, rule, {.seed = seed, .maneuvers = 0, .c_e_J = initial_energy_J(wear)}};
 }
 
 std::string extrapolation_notice(const wear::WearingBrake& brake) {

@@ -21,7 +21,7 @@ using antiskid::control::Time;
 namespace {
 
 constexpr Time kMillisecond{1'000'000};
-constexpr Time kRepeat = 100 * kMillisecond;  // of the first cycle while the controller is not there yet
+constexpr Time kRepeat = 100 * kMillisecond;  // of the first cycle while there is no controller
 
 double milliseconds(Time t) {
     return static_cast<double>(t.count()) * 1e-6;
@@ -46,8 +46,8 @@ RigNode::Cycle RigNode::next_cycle(bool with_sync) {
     return cycle;
 }
 
-bool RigNode::send_all(const Cycle& cycle, Time patience, const std::atomic<bool>& stop) {
-    const Time deadline = clock_.now() + patience;
+bool RigNode::send_all(const Cycle& cycle, Time timeout, const std::atomic<bool>& stop) {
+    const Time deadline = clock_.now() + timeout;
     for (auto left = std::span(cycle.frames).first(cycle.count);;) {
         const std::size_t taken = bus_.send_all(left);
         result_.frames_sent += taken;
@@ -98,11 +98,11 @@ NodeResult RigNode::finish_run() {
     return finish(Ending::done, "");
 }
 
-NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::atomic<bool>& stop, const NodeObserver& observe) {
+NodeResult RigNode::run_lockstep(Time answer_timeout, Time start_timeout, const std::atomic<bool>& stop, const NodeObserver& observe) {
     for (std::uint64_t step = 0; !session_.done(); ++step) {
         if (stop) return finish(Ending::stopped, "stopped by the user");
         const Cycle cycle = next_cycle(true);
-        const Time limit = step == 0 ? patience : answer_timeout;
+        const Time limit = step == 0 ? start_timeout : answer_timeout;
         const Time deadline = clock_.now() + limit;
         const std::uint64_t sent_before = result_.frames_sent;
         bool answered = false;
@@ -124,9 +124,9 @@ NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::
     return finish_run();
 }
 
-NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, const NodeObserver& observe) {
+NodeResult RigNode::run_realtime(Time start_timeout, const std::atomic<bool>& stop, const NodeObserver& observe) {
     antiskid::host::PeriodicTimer timer(clock_, period_);
-    const Time give_up = clock_.now() + patience;
+    const Time give_up = clock_.now() + start_timeout;
     bool ready = false;
     while (!session_.done()) {
         const auto tick = timer.wait();
@@ -140,16 +140,16 @@ NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, c
             if (!ready && tick.woke >= give_up) {
                 return finish(Ending::silent,
                               fmt::format("no antiskid-controller in standby within {:.0f} ms (valve commands 0x{:03X}: {}; state: {})",
-                                          milliseconds(patience), layout_[Role::valve].id, port_.stats(Role::valve).accepted,
+                                          milliseconds(start_timeout), layout_[Role::valve].id, port_.stats(Role::valve).accepted,
                                           antiskid::can::kStateNames[static_cast<std::size_t>(view.state)]));
             }
         } else {
             const bool silent = tick.woke - view.command_received > kDriverWatchdog;
             const double current_mA = silent ? 0.0 : static_cast<double>(view.current_mA);
-            if (silent && tick.woke - view.command_received > patience) {
+            if (silent && tick.woke - view.command_received > start_timeout) {
                 return finish(Ending::silent, "antiskid-controller fell silent during the run; the valve driver has fallen back to no current");
             }
-            // The plant lives in the machine's time: periods that were missed have passed for it, too.
+            // The plant advances in real time, also by missed periods.
             for (std::uint64_t passed = 0; passed <= tick.skipped && !session_.done(); ++passed) {
                 session_.advance(current_mA, view.state);
                 observe(session_, view, current_mA);

@@ -1,4 +1,4 @@
-/// The virtual rig on a bus: sends what sensors and pilot say, takes the valve command, moves the plant.
+/// The virtual rig on a bus: sends the frames of sensors and pilot, receives the valve command, advances the plant.
 #pragma once
 
 #include <atomic>
@@ -14,40 +14,41 @@
 namespace plant_sim {
 
 enum class Ending {
-    done,       ///< the maneuver ran to its end
-    stopped,    ///< the user asked
+    done,       ///< the maneuver is complete
+    stopped,    ///< by the user
     silent,     ///< the controller did not answer in time
-    link_down,  ///< the interface went away
-    /// The maneuver did not come to rest: the controller went to its safe state, or never stopped the aircraft.
+    link_down,  ///< the interface is down or gone
+    /// No standstill: the controller went to its safe state, or did not stop the aircraft.
     no_standstill,
 };
 
 struct NodeResult {
     Ending ending = Ending::done;
-    std::string reason;  ///< one sentence where the ending is not `done`
+    std::string reason;  ///< one sentence; empty for `done`
     std::uint64_t frames_sent = 0;
     std::uint64_t frames_received = 0;
     std::uint64_t frames_lost = 0;
     std::uint64_t overruns = 0;
-    antiskid::control::FaultSet faults;  ///< that the controller has reported at any time
+    antiskid::control::FaultSet faults;  ///< all that the controller reported
 };
 
-/// After each period: the rig, what it knows of the controller, and the current that acted.
+/// Called after each period with the rig, the decoded status of the controller, and the current that acted.
 using NodeObserver = std::function<void(const study::RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
 
 class RigNode {
   public:
-    /// All must outlive the node.
+    /// All arguments must outlive the node.
     RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::host::Clock& clock,
             antiskid::control::Time period);
 
-    /// One sample, one SYNC, one answer: same seed, same bytes, at any speed of the machine. The first cycle is repeated, with the same
-    /// bytes, until the controller is there, at most for `patience`; every later answer must come within `answer_timeout`.
-    NodeResult run_lockstep(antiskid::control::Time answer_timeout, antiskid::control::Time patience, const std::atomic<bool>& stop,
+    /// For each sample: one SYNC, then one answer. The same seed gives the same bytes at any speed of the machine. The first cycle is repeated with
+    /// the same bytes until the controller answers, at most for `start_timeout`; every later answer must come within `answer_timeout`.
+    NodeResult run_lockstep(antiskid::control::Time answer_timeout, antiskid::control::Time start_timeout, const std::atomic<bool>& stop,
                             const NodeObserver& observe);
 
-    /// By the machine's clock. The valve's driver falls back to no current when no command came for kDriverWatchdog.
-    NodeResult run_realtime(antiskid::control::Time patience, const std::atomic<bool>& stop, const NodeObserver& observe);
+    /// In real time. The valve driver's current falls to 0 without a command for kDriverWatchdog. `start_timeout`: longest wait for a controller in
+    /// standby, and longest silence of the controller after that.
+    NodeResult run_realtime(antiskid::control::Time start_timeout, const std::atomic<bool>& stop, const NodeObserver& observe);
 
     static constexpr antiskid::control::Time kDriverWatchdog{20'000'000};
 
@@ -55,9 +56,9 @@ class RigNode {
     struct Cycle;
 
     [[nodiscard]] Cycle next_cycle(bool with_sync);
-    /// All frames of a cycle, waiting for room in the queue where it must; false when the link takes no more.
-    bool send_all(const Cycle& cycle, antiskid::control::Time patience, const std::atomic<bool>& stop);
-    /// What has arrived; where nothing has, the first to arrive within `timeout`.
+    /// Sends all frames of a cycle, waiting for room in the queue for at most `timeout`; false if the link takes no more.
+    bool send_all(const Cycle& cycle, antiskid::control::Time timeout, const std::atomic<bool>& stop);
+    /// Takes all frames that have arrived; if there are none, waits for the first for at most `timeout`.
     void receive(antiskid::control::Time timeout = {});
     bool wait_for_answer(std::uint64_t answers, antiskid::control::Time timeout, const std::atomic<bool>& stop);
     NodeResult finish(Ending ending, std::string reason);

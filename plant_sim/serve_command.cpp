@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
@@ -60,7 +61,7 @@ struct Options {
     bool together = false;
 };
 
-/// All that is read from files and the command line, checked.
+/// Everything read from files and the command line, checked.
 struct Served {
     rig::LoadedRig plant;
     plc::ServedRigOptions rig;
@@ -164,8 +165,8 @@ Served load(const Options& o) {
     s.rig.map_version = s.map.version;
     if (o.spun_up) s.rig.rim_mps = s.plant.rig.brake_on_mps;
     s.rig.brake = o.brake.brake_of(s.plant.wear, o.seed);
-    if (!o.brake.state.empty())  // a place that cannot be written shows before anything runs
-        wear::keep_brake_state(o.brake.state, s.rig.brake->state(), s.plant.wear);
+    if (!o.brake.state.empty())  // reports a path that cannot be written before anything runs
+        wear::write_brake_state(o.brake.state, s.rig.brake->state(), s.plant.wear);
     return s;
 }
 
@@ -191,17 +192,17 @@ void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::mo
         rig.cumulative_energy_J() * 1e-6);
 }
 
-/// Keeps the brake after each maneuver. Runs in the reporter's thread.
+/// Writes the brake's state after each maneuver. Called by the reporter's thread.
 class BrakeKeeper {
   public:
     BrakeKeeper(const Options& options, const wear::WearingBrake& brake) : file_(options.brake.state), brake_(brake), said_(brake.extrapolates()) {}
 
-    /// What there is to say about it.
+    /// Returns text for the report.
     std::string keep(const wear::BrakeState& state) {
         std::string text;
         if (!file_.empty()) {
             try {
-                wear::keep_brake_state(file_, state, brake_.wear());
+                wear::write_brake_state(file_, state, brake_.wear());
                 failed_ = false;
             } catch (const settings::Error& e) {
                 text = fmt::format("the brake's state could not be kept: {}", e.what());
@@ -250,7 +251,7 @@ int run(const Options& o, const Served& s) {
             [&keeper](const wear::BrakeState& brake) { return keeper.keep(brake); });
         if (o.clock == "sync") {
             node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}),
-                              {.done = [&server] { return server.bridge_turn(); }, .together = o.together});
+                              {.done = [&server] { return server.bridge_turn(); }, .start_together = o.together});
         } else {
             enter_realtime(o.priority);
             node.run_realtime(signals.stop());

@@ -1,9 +1,9 @@
-/// `virtual-rig serve`: the rig behind CAN and Modbus, for the controller and the bridge, until it is stopped. See --help.
+/// `virtual-rig serve`: the rig on CAN and Modbus, for controller and bridge, until it is stopped. See --help.
 #pragma once
 
 namespace plant_sim {
 
-/// `argv[0]` is `serve`. Returns the exit status; throws what a running system throws.
+/// `argv[0]` is `serve`. Returns the exit status. Throws any exception of the running system.
 int serve_command(int argc, char** argv);
 
 }  // namespace plant_sim

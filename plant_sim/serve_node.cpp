@@ -36,7 +36,7 @@ void ServeNode::send_sample() {
     state_.frames_lost += due - bus_.send_all(std::span(frames).first(due));
 }
 
-/// With the sample in one call. A SYNC that finds the queue full is worth waiting for: without it the controller would not step.
+/// Sends SYNC together with the sample in one call. A SYNC for which the queue has no room is waited for: without it the controller would not step.
 void ServeNode::send_sample_and_sync(const std::atomic<bool>& stop) {
     std::array<Frame, antiskid::can::RigPort::kMaxFrames + 1> frames{};
     const std::size_t due = port_.due_frames(rig_.sample(), frames);
@@ -71,19 +71,19 @@ void ServeNode::await_answer(const std::atomic<bool>& stop) {
     }
 }
 
-/// Of the newest SYNC, as the bus has it.
+/// Number of the newest SYNC, modulo its field.
 std::uint32_t ServeNode::sync_number() const {
     const antiskid::can::Signal& counter = layout_.sync_counter;
     return (sync_ - 1) & (counter.bound() ? static_cast<std::uint32_t>(counter.mask()) : ~0U);
 }
 
-/// The bridge reads registers and bus as they are now, and writes and sends before time goes on.
+/// Gives the bridge its turn: it reads the present registers and bus, and writes and sends before time advances.
 void ServeNode::await_bridge(const std::atomic<bool>& stop) {
     constexpr Time kLook{50'000};
     const auto every = static_cast<std::uint32_t>(std::max<std::int64_t>(kBridgeStep / period_, 1));
     if (!bridge_.done || sync_number() % every != 0) return;
     std::uint16_t seen = bridge_.done();
-    if (seen == silent_at_) return;  // also: there is none
+    if (seen == silent_at_) return;  // also if there is no bridge
     const std::uint16_t wanted = rig::turn_number(sync_number(), every);
     const Time deadline = clock_.now() + answer_timeout_;
     for (; seen != wanted && seen != rig::kNoTurns && !stop && clock_.now() < deadline; seen = bridge_.done())
@@ -104,7 +104,7 @@ void ServeNode::begin_together(const std::atomic<bool>& stop) {
     }
 }
 
-/// It answers the SYNCs that it missed: only the last answer belongs to this period.
+/// The controller answers the SYNCs that it missed; only the last answer belongs to this period.
 void ServeNode::catch_up(const std::atomic<bool>& stop) {
     const Time deadline = clock_.now() + answer_timeout_;
     std::uint32_t received = commands_;
@@ -140,12 +140,12 @@ void ServeNode::advance() {
 void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout, BridgeTurns bridge) {
     answer_timeout_ = answer_timeout;
     bridge_ = std::move(bridge);
-    if (bridge_.together) {
+    if (bridge_.start_together) {
         begin_together(stop);
         await_bridge(stop);
         advance();
     }
-    bool silent = !bridge_.together;
+    bool silent = !bridge_.start_together;
     Time next = clock_.now();
     while (!stop) {
         send_sample_and_sync(stop);
@@ -172,7 +172,7 @@ void ServeNode::run_realtime(const std::atomic<bool>& stop) {
 
 void ServeNode::period(std::uint64_t missed) {
     receive();
-    // The plant lives in the machine's time: periods that were missed have passed for it, too.
+    // The plant advances in real time, also by missed periods.
     for (std::uint64_t passed = 0; passed <= missed; ++passed) advance();
     state_.overruns += missed;
     send_sample();

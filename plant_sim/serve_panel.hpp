@@ -1,4 +1,4 @@
-/// The panel of a served rig: the truth behind its gauges, and what its machines and its PLC say. Constructed ahead of real time.
+/// The panel of a served rig: true values, and the states of machines and PLC. Construct it before real-time operation starts.
 #pragma once
 
 #include <mutex>
@@ -14,22 +14,22 @@ namespace plant_sim {
 
 class ServePanel {
   public:
-    /// Throws std::runtime_error where `address` is not to be had.
+    /// Throws std::runtime_error if `address` cannot be bound.
     ServePanel(const std::string& address, const std::string& scenario);
 
-    /// From the rig's loop, each period: copies numbers; does not wait, and leaves the text to the server's thread.
+    /// Call in each period from the rig's loop. Copies numbers and does not wait; the server's thread makes the text.
     void show(const plc::ServedRig& rig, const ServeState& state);
     [[nodiscard]] std::string greeting() const { return server_.greeting(); }
     [[nodiscard]] int port() const { return server_.port(); }
 
-    /// What is told in words.
+    /// Values shown as text.
     struct Facts {
         double time_s = 0.0;
         plc::Trip trip = plc::Trip::none;
         bool controller_heard = false, wheel_on_rim = false;
         std::uint32_t touchdowns = 0;
         double energy_J = 0.0, mean_friction = 0.0;
-        std::uint64_t late = 0;   ///< periods
+        std::uint64_t late = 0;   ///< number of late periods
         unsigned interlocks = 0;  ///< bit i is rig::Interlock i, 1 good
     };
 
@@ -38,7 +38,7 @@ class ServePanel {
 
     rig::panel::LiveFeed feed_;
     double next_s_ = 0.0;  // when facts are due
-    std::mutex mutex_;     // over the next
+    std::mutex mutex_;     // for facts_
     std::optional<Facts> facts_;
     rig::panel::Server server_;
 };

@@ -29,13 +29,13 @@ void ServeReporter::say(const std::string& what) const {
 
 void ServeReporter::run() {
     while (!stop_) {
-        look();
+        report_changes();
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    look();
+    report_changes();
 }
 
-void ServeReporter::look() {
+void ServeReporter::report_changes() {
     for (wear::BrakeState brake; brakes_.pop(brake);) {
         const std::string text = maneuver_ended_ ? maneuver_ended_(brake) : std::string();
         if (!text.empty()) say(text);

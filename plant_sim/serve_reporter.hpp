@@ -1,5 +1,5 @@
-/// What a served rig has to say while it runs, one line an event, from a thread of its own: the rig's thread never waits for a terminal.
-/// The same thread opens the CAN interface anew once it is back.
+/// Reports the events of a served rig, one line each, from a thread of its own, so that the rig's thread does not wait for a terminal. The same
+/// thread reopens the CAN interface when it is back.
 #pragma once
 
 #include <atomic>
@@ -15,13 +15,13 @@ namespace plant_sim {
 
 class ServeReporter {
   public:
-    /// Called with each line, rig time in front, from the reporter's thread.
+    /// Called from the reporter's thread with each line, which begins with the rig time.
     using Say = std::function<void(const std::string&)>;
 
-    /// Called with the brake after each maneuver; what comes back is said, unless it is empty.
+    /// Called with the brake's state after each maneuver. The returned text is reported unless it is empty.
     using ManeuverEnded = std::function<std::string(const wear::BrakeState&)>;
 
-    /// Node and bus must outlive it. `period_s` is the node's.
+    /// `node` and `bus` must outlive it. `period_s`: the node's.
     ServeReporter(ServeNode& node, antiskid::host::SupervisedCan& bus, std::string interface, double period_s, Say say,
                   ManeuverEnded maneuver_ended = {});
     ~ServeReporter();
@@ -30,7 +30,7 @@ class ServeReporter {
 
   private:
     void run();
-    void look();
+    void report_changes();
     void say(const std::string& what) const;
 
     const ServeState& state_;

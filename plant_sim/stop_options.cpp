@@ -110,11 +110,11 @@ StopInputs load_scenario(const StopOptions& o) {
     return s;
 }
 
-void StopInputs::keep_brake(const StopOptions& o, double energy_J) const {
+void StopInputs::save_brake(const StopOptions& o, double energy_J) const {
     if (!brake || o.brake.state.empty()) return;
     wear::WearingBrake after = *brake;
     after.take(energy_J);
-    wear::keep_brake_state(o.brake.state, after.state(), after.wear());
+    wear::write_brake_state(o.brake.state, after.state(), after.wear());
 }
 
 study::StopReport StopInputs::report(const StopOptions& o) const {

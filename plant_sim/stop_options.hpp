@@ -1,4 +1,4 @@
-/// The command line of one maneuver, the same for every program that runs one.
+/// Command-line options of one maneuver, the same in every program that runs one.
 #pragma once
 
 #include <filesystem>
@@ -24,32 +24,32 @@ struct StopOptions {
     std::string law = "slip";
     double slip = 0.24;
     std::optional<double> deceleration_mps2;
-    std::filesystem::path profile;  ///< current over time since brake-on, for the open-loop law
+    std::filesystem::path profile;  ///< valve current over time since brake-on, for the open-loop law
     std::uint64_t seed = 1;
     BrakeOptions brake;
 
-    /// All but `brake`, whose own add_to() is for programs that keep the brake's state.
+    /// Adds all options but those of `brake`, whose add_to() is for programs that keep the brake's state.
     void add_to(CLI::App& app);
 };
 
-/// Everything that a run needs, read and checked.
+/// Inputs of a run, read and checked.
 struct StopInputs {
     rig::LoadedRig plant;
     antiskid::control::Config controller;
     antiskid::can::Layout layout;
     study::SessionOptions session;
     std::string config_hash;
-    std::optional<wear::WearingBrake> brake;  ///< where one was asked for; before the maneuver
+    std::optional<wear::WearingBrake> brake;  ///< before the maneuver; none: not requested
 
-    /// Where the options say so: the brake after it took `energy_J`, to its state file. Throws settings::Error.
-    void keep_brake(const StopOptions& options, double energy_J) const;
-    /// The report's head: what was run.
+    /// Writes the brake's state after the maneuver, with `energy_J` added, to the file of the options, if there is one. Throws settings::Error.
+    void save_brake(const StopOptions& options, double energy_J) const;
+    /// Head of the report: the inputs of the run.
     [[nodiscard]] study::StopReport report(const StopOptions& options) const;
-    /// As a picture's title.
+    /// Title of a picture.
     [[nodiscard]] std::string title(const StopOptions& options) const;
 };
 
-/// Throws settings::Error or std::invalid_argument with what is wrong and what would be right.
+/// Throws settings::Error or std::invalid_argument, with what is wrong and what would be right.
 [[nodiscard]] StopInputs load_scenario(const StopOptions& options);
 
 }  // namespace plant_sim

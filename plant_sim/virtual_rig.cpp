@@ -1,4 +1,4 @@
-/// virtual-rig: the plant behind the rig's CAN frames; runs one maneuver, or with `serve` as many as a rig bridge asks for. See --help.
+/// virtual-rig: the simulated rig on CAN; runs one maneuver, or with `serve` as many as a rig bridge requests. See --help.
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -36,7 +36,7 @@ std::string bar(double share) {
     return std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.');
 }
 
-/// A live line about a maneuver on standard error; plain lines, one a simulated second, where that is no terminal.
+/// Shows a maneuver in one live line on standard error; without a terminal as plain lines, one per simulated second.
 class Progress {
   public:
     Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
@@ -169,14 +169,14 @@ int run(const Options& o, const plant_sim::StopInputs& s) {
         settings::write_file(o.out / "result.json", study::to_json(report));
     }
     if (!o.picture.empty()) pictures::draw_stop(trajectory.rows(), o.picture, s.title(o.scenario), session.pilot().brake_on_s());
-    // A maneuver that never reached its brake-on wears nothing and is none.
+    // A maneuver without brake-on wears nothing and does not count.
     const double taken_J = session.rig().wheel().energy_brake_J;
-    if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);
+    if (taken_J > 0.0) s.save_brake(o.scenario, taken_J);
     if (!result.reason.empty()) fmt::print(stderr, "virtual-rig: {}\n", result.reason);
     return exit_status(result.ending);
 }
 
-/// Configuration mistakes end with status 2, whatever fails later with 1.
+/// Configuration errors end with status 2, later ones with 1.
 int load_and_run(const Options& options) {
     std::optional<plant_sim::StopInputs> scenario;
     try {

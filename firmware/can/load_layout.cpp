@@ -1,8 +1,6 @@
 #include "firmware/can/load_layout.hpp"
 
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "firmware/can/message_binder.hpp"
@@ -15,7 +13,7 @@ namespace {
 
 class Loader {
   public:
-    Loader(const Dbc& dbc, const settings::Table& root, const Reach& reach) : dbc_(dbc), root_(root), reach_(reach) {}
+    Loader(const Dbc& dbc, const settings::Table& root, const RequiredRange& required) : dbc_(dbc), root_(root), required_(required) {}
 
     Layout run() {
         sensors();
@@ -32,7 +30,7 @@ class Loader {
         MessageBinder flywheel = bind(Role::flywheel, {});
         layout_.flywheel = speed(flywheel);
         MessageBinder pressure = bind(Role::pressure, {});
-        layout_.pressure_Pa = pressure.physical("pressure", Quantity::pressure, reach_.pressure_Pa);
+        layout_.pressure_Pa = pressure.physical("pressure", Quantity::pressure, required_.pressure_Pa);
     }
 
     void maneuver() {
@@ -41,7 +39,7 @@ class Loader {
         maneuver.law = binder.code("law", {.min = 2, .max = 8}, kLawNames);
         maneuver.arm = binder.whole("arm", kFlag);
         maneuver.weight_on_wheels = binder.whole("weight_on_wheels", kFlag);
-        maneuver.demand_Pa = binder.physical("demand", Quantity::pressure, reach_.pressure_Pa);
+        maneuver.demand_Pa = binder.physical("demand", Quantity::pressure, required_.pressure_Pa);
         maneuver.slip_reference = binder.physical("slip_reference", Quantity::ratio);
         maneuver.deceleration_mps2 = binder.physical("deceleration", Quantity::acceleration);
         maneuver.current_mA = binder.physical("current", Quantity::current);
@@ -70,7 +68,7 @@ class Loader {
 
     void controller() {
         MessageBinder valve = bind(Role::valve, {.crc_required = true});
-        layout_.valve_current_mA = valve.physical("current", Quantity::current, reach_.current_mA);
+        layout_.valve_current_mA = valve.physical("current", Quantity::current, required_.current_mA);
 
         MessageBinder status = bind(Role::status, {});
         layout_.status.state = status.code("state", {.min = 3, .max = 8}, kStateNames);
@@ -140,18 +138,18 @@ class Loader {
 
     const Dbc& dbc_;
     const settings::Table& root_;
-    Reach reach_;
+    RequiredRange required_;
     Layout layout_;
     std::vector<Role> roles_;
 };
 
 }  // namespace
 
-Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding, const Reach& reach) {
+Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding, const RequiredRange& required) {
     const Dbc messages = load_dbc(dbc);
     const settings::Document document = settings::Document::load(binding);
     const settings::Table root = document.root();
-    const Layout layout = Loader(messages, root, reach).run();
+    const Layout layout = Loader(messages, root, required).run();
     document.finish();
     return layout;
 }

@@ -8,13 +8,13 @@
 namespace antiskid::can {
 
 /// Largest values that the fields must be able to represent: brake pressure and demand, and valve current.
-struct Reach {
+struct RequiredRange {
     double pressure_Pa = 0.0;
     double current_mA = 0.0;
 };
 
 /// Throws settings::Error for anything missing, unknown, contradictory, overlapping, in a wrong unit or too narrow; its text names file, line and key
 /// (or message and signal) and says what would be right. docs/user/can.md has the keys of the binding.
-[[nodiscard]] Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding, const Reach& reach = {});
+[[nodiscard]] Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding, const RequiredRange& required = {});
 
 }  // namespace antiskid::can

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -238,18 +239,19 @@ Signal MessageBinder::scaled(const Source& source, double size) const {
     return signal;
 }
 
-Signal MessageBinder::physical(std::string_view key, Quantity quantity, double reach) {
+Signal MessageBinder::physical(std::string_view key, Quantity quantity, double required) {
     const Source source = take_physical(key);
     if (source.unit.quantity != quantity) source.table.fail("unit", "expected one of " + units_of(quantity));
     const Signal signal = scaled(source, source.unit.factor);
     const double max = std::max(signal.value(signal.raw_min), signal.value(signal.raw_max));
-    if (max + 0.5 * std::abs(signal.scale) < reach) {
+    if (max + 0.5 * std::abs(signal.scale) < required) {
         const auto in_unit = [&](double value) {
             std::array<char, 32> number{};
             static_cast<void>(std::snprintf(number.data(), number.size(), "%g ", value / source.unit.factor));
             return number.data() + source.table.text("unit");
         };
-        source.table.fail(kSignalKey, at(*source.signal) + " ends at " + in_unit(max) + ", too narrow for this rig: it must reach " + in_unit(reach));
+        source.table.fail(kSignalKey,
+                          at(*source.signal) + " ends at " + in_unit(max) + ", too narrow for this rig: it must reach " + in_unit(required));
     }
     return signal;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,15 +37,14 @@ class MessageBinder {
     /// As whole(); a value table in the DBC must not give a code the name that `names` has for another one.
     [[nodiscard]] Signal code(std::string_view key, const Widths& widths, std::span<const std::string_view> names);
     /// `key = { signal = "SignalName", unit = "bar" }`.
-    /// `reach`: a value that the field must be able to represent, in the controller's unit.
-    [[nodiscard]] Signal physical(std::string_view key, Quantity quantity, double reach = 0.0);
+    /// `required`: a value that the field must be able to represent, in the controller's unit.
+    [[nodiscard]] Signal physical(std::string_view key, Quantity quantity, double required = 0.0);
     /// An angular speed, given in a unit of angular speed, or in a unit of rim speed together with the rim's `radius_m`.
     [[nodiscard]] Signal rotation(std::string_view key);
     /// The time of an edge: unsigned, rolls over, no offset.
     [[nodiscard]] Signal clock(std::string_view key);
 
     [[nodiscard]] const settings::Table& table() const { return table_; }
-    [[nodiscard]] const DbcMessage& dbc_message() const { return *message_; }
 
   private:
     struct Source {

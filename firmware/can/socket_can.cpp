@@ -39,12 +39,12 @@ can_frame raw(const Frame& frame) {
     return out;
 }
 
-/// Makes an epoll descriptor that reports each frame arriving at `bell`, read or not.
-int edge_triggered(const int bell, const std::string& interface) {
+/// Makes an epoll descriptor that reports each frame arriving at `socket`, read or not.
+int edge_triggered(const int socket, const std::string& interface) {
     epoll_event arrival{};
     arrival.events = EPOLLIN | EPOLLET;
     const int epoll = epoll_create1(EPOLL_CLOEXEC);
-    if (epoll >= 0 && epoll_ctl(epoll, EPOLL_CTL_ADD, bell, &arrival) == 0) return epoll;
+    if (epoll >= 0 && epoll_ctl(epoll, EPOLL_CTL_ADD, socket, &arrival) == 0) return epoll;
     const int error = errno;
     if (epoll >= 0) close(epoll);
     throw std::system_error(error, std::generic_category(), "CAN interface '" + interface + "' cannot be waited for");
@@ -106,21 +106,21 @@ SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t
     socket.bind();
     if (options.wakes) {
         // The kernel serves filters for a single identifier last: when this socket receives the frame, the other one already has it.
-        RawSocket bell(interface);
+        RawSocket wake(interface);
         const can_filter one{.can_id = *options.wakes, .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK};
-        bell.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, one, "the filters");
-        bell.bind();
-        bell_rings_ = edge_triggered(bell.get(), interface);
-        bell_ = bell.release();
+        wake.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, one, "the filters");
+        wake.bind();
+        wake_epoll_ = edge_triggered(wake.get(), interface);
+        wake_socket_ = wake.release();
     }
     socket_ = socket.release();
 }
 
 SocketCan::~SocketCan() {
     close(socket_);
-    if (bell_ < 0) return;
-    close(bell_rings_);
-    close(bell_);
+    if (wake_socket_ < 0) return;
+    close(wake_epoll_);
+    close(wake_socket_);
 }
 
 std::size_t SocketCan::receive(std::span<Frame> frames) {
@@ -221,20 +221,20 @@ void SocketCan::note_sent() {
 bool SocketCan::wait(Time timeout) {
     const std::int64_t left = std::max<std::int64_t>(timeout.count(), 0);
     const timespec limit{.tv_sec = left / kPerSecond, .tv_nsec = left % kPerSecond};
-    if (bell_ >= 0) return wait_for_bell(limit);
+    if (wake_socket_ >= 0) return wait_for_wake(limit);
     pollfd descriptor{.fd = socket_, .events = POLLIN, .revents = 0};
     return ppoll(&descriptor, 1, &limit, nullptr) > 0;
 }
 
-bool SocketCan::wait_for_bell(const timespec& limit) {
+bool SocketCan::wait_for_wake(const timespec& limit) {
     epoll_event event{};
-    const bool rung = epoll_pwait2(bell_rings_, &event, 1, &limit, nullptr) > 0;
+    const bool arrived = epoll_pwait2(wake_epoll_, &event, 1, &limit, nullptr) > 0;
     // A full receive queue of the second socket would raise no further events.
-    if (!rung || ++rings_ % kBatch == 0) {
+    if (!arrived || ++wake_events_ % kBatch == 0) {
         for (mmsghdr& header : batch_->headers) header.msg_hdr.msg_controllen = Batch::kControl;
-        (void)recvmmsg(bell_, batch_->headers.data(), kBatch, MSG_DONTWAIT, nullptr);
+        (void)recvmmsg(wake_socket_, batch_->headers.data(), kBatch, MSG_DONTWAIT, nullptr);
     }
-    return rung;
+    return arrived;
 }
 
 void SocketCan::note_error(int error) {

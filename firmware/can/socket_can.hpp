@@ -68,14 +68,14 @@ class SocketCan final : public Bus {
     std::size_t receive(std::span<Frame> frames, int flags);
     [[nodiscard]] bool earlier_frames_wait() const;
     void note_sent();
-    [[nodiscard]] bool wait_for_bell(const timespec& limit);
+    [[nodiscard]] bool wait_for_wake(const timespec& limit);
     void note_error(int error);
     void note_error_frame(std::uint32_t classes);
 
     int socket_ = -1;
-    int bell_ = -1;        // a second socket that receives only `wakes`
-    int bell_rings_ = -1;  // epoll, edge-triggered: the second socket need not be read after each wait
-    std::uint32_t rings_ = 0;
+    int wake_socket_ = -1;  // a second socket that receives only `wakes`
+    int wake_epoll_ = -1;   // epoll, edge-triggered: the second socket need not be read after each wait
+    std::uint32_t wake_events_ = 0;
     bool newest_only_;
     std::uint32_t kernel_drops_ = 0;
     LinkStatus status_;

@@ -15,7 +15,7 @@ struct EncoderConfig {
     float max_speed_radps = 0.0F;
     float max_acceleration_radps2 = 0.0F;  ///< above this between two frames the reading is implausible
     float pitch_error = 0.0F;              ///< of a sound toothed ring, as share of the pitch; readings are allowed an error of this size
-    float patience_s = 0.0F;               ///< after this time without an accepted reading the prediction is taken to be wrong, and restarted
+    float reject_timeout_s = 0.0F;         ///< after this time without an accepted reading the prediction is taken to be wrong, and restarted
 };
 
 /// Rolling radius r(F_z) = r_0 - F_z / k_r with eq. (2): calibrated by the free-rolling wheel before brake-on, then updated for lift.
@@ -83,8 +83,8 @@ struct SlipConfig {
     float low_speed_slip = 0.0F;
 
     // Share of the reference in force: integral of rise_per_s (answer + runaway_per_s) / answer_scale_per_s, an integrand of at most rise_per_s.
-    float runaway_per_s = 0.0F;  ///< a wheel that runs away at this rate can still be controlled
-    float restless_slip = 0.0F;  ///< no fall while the slip stays this close to the reference, whatever the estimated answer
+    float runaway_per_s = 0.0F;        ///< a wheel that runs away at this rate can still be controlled
+    float max_held_slip_error = 0.0F;  ///< no fall while the slip stays this close to the reference, whatever the estimated answer
     float answer_scale_per_s = 0.0F;
     float answer_filter_radps = 0.0F;
     float rise_per_s = 0.0F;

@@ -19,11 +19,11 @@ FaultSet only(Fault fault) {
     return only(fault, true);
 }
 /// A healthy sensor's frame is never late; a late one counts as several readings.
-void take_reading(Test& test, FaultSet wrong, Fault lost) {
+void take_reading(FaultCounter& counter, FaultSet wrong, Fault lost) {
     constexpr int kMore = 3;
-    test.take(wrong);
+    counter.take(wrong);
     if (wrong.contains(lost))
-        for (int times = 0; times < kMore; ++times) test.take(wrong);
+        for (int times = 0; times < kMore; ++times) counter.take(wrong);
 }
 }  // namespace
 
@@ -97,12 +97,12 @@ inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& readi
     return only(names.rate, had && beyond > 0.0F && beyond * span * encoder.teeth > kThreePitches * encoder.pitch_error);
 }
 
-inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before) {
+inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const PreviousStep& previous) {
     const Estimate& e = estimator.estimate();
     const SpeedReading& reading = estimator.wheel_reading();
     FaultSet wrong = wrong_by_itself(wheel_, reading, wheel_encoder_, {Fault::wheel_lost, Fault::wheel_range, Fault::wheel_rate});
     const bool moving = e.v_mps > config_.plausible_above_mps;
-    const bool rolls = before.rolling && moving;
+    const bool rolls = previous.rolling && moving;
     const bool stands = reading.speed_radps == 0.0F;
 
     // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only slows a wheel that is faster than the aircraft. Residual
@@ -161,7 +161,7 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     faults.insert(flywheel_.stays.found());
 }
 
-inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator, const Before& before) {
+inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator, const PreviousStep& previous) {
     const float reading = sensors.pressure.pressure_Pa;
     const float model = estimator.uncorrected_pressure_Pa();
     const Time at = sensors.pressure.received;
@@ -180,11 +180,11 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
     // Without current the map has no tolerance: remaining pressure is a leak or a sticking spool, and may lock a wheel on ice.
     const ManeuverInput& maneuver = sensors.maneuver;
     const bool moving = estimator.estimate().v_mps > config_.plausible_above_mps;
-    const bool matters = before.rolling || (moving && maneuver.weight_on_wheels) || maneuver.arm;
+    const bool matters = previous.rolling || (moving && maneuver.weight_on_wheels) || maneuver.arm;
     const bool remains = matters && model < 0.04F * released_Pa_ && reading > released_Pa_;
     // The offset that the pressure laws can compensate.
     const bool means_pressure = holds_slip(maneuver.law) || maneuver.law == Law::deceleration;
-    const bool shifted = before.braking && means_pressure && model > 2.0F * released_Pa_ &&
+    const bool shifted = previous.braking && means_pressure && model > 2.0F * released_Pa_ &&
                          magnitude(estimator.valve_offset_Pa()) > larger(compensated_share_ * model, released_Pa_);
     pressure_stays_.take(frozen ? only(Fault::pressure_stuck) : only(Fault::pressure_off_command, off || remains || shifted));
     faults.insert(pressure_reading_.found());
@@ -193,12 +193,12 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
 
 /// Integrates slip above the reference, reduced by slip below it: no healthy loop stays above it for long, on any surface. Paused without pressure,
 /// because a released wheel on ice spins up slowly.
-inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const Before& before) {
+inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const PreviousStep& previous) {
     constexpr float kMax_s = 0.1F;
-    if (!holds_slip(maneuver.law) || !before.braking) {
+    if (!holds_slip(maneuver.law) || !previous.braking) {
         excess_slip_s_ = 0.0F;
     } else if (estimator.uncorrected_pressure_Pa() >= 0.2F * released_Pa_) {
-        const float excess = estimator.estimate().slip - before.slip_reference - kHeldWithin;
+        const float excess = estimator.estimate().slip - previous.slip_reference - kHeldWithin;
         excess_slip_s_ = larger(excess_slip_s_ + excess * period_s_, 0.0F);
         if (excess_slip_s_ > kMax_s) faults.insert(Fault::speeds_disagree);
     }
@@ -224,13 +224,13 @@ inline void Monitor::check_overrun(FaultSet& faults, std::uint32_t missed_period
     }
 }
 
-FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, const Before& before, Time now) {
+FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, const PreviousStep& previous, Time now) {
     FaultSet faults;
     check_arrivals(faults, sensors, now);
-    check_wheel(faults, estimator, before);
-    check_flywheel(faults, estimator, before.rolling && sensors.maneuver.arm);  // no drive turns it
-    check_pressure(faults, sensors, estimator, before);
-    check_slip(faults, sensors.maneuver, estimator, before);
+    check_wheel(faults, estimator, previous);
+    check_flywheel(faults, estimator, previous.rolling && sensors.maneuver.arm);  // no drive turns it
+    check_pressure(faults, sensors, estimator, previous);
+    check_slip(faults, sensors.maneuver, estimator, previous);
     check_maneuver(faults, sensors.maneuver);
     check_overrun(faults, sensors.missed_periods);
     if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);

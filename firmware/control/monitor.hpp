@@ -1,8 +1,8 @@
 /// Checks every input in every period and names the faults. Braking is permitted only without faults.
 ///
-/// Each signal has two tests. One counts impossible readings: out of the sensor's range, or not reachable from the previous readings. The other
-/// counts periods in which the estimate from the readings is implausible. The conditions may be interrupted: each good reading or period takes back
-/// half of a bad one.
+/// Each signal has two fault counters. One counts impossible readings: out of the sensor's range, or not reachable from the previous readings. The
+/// other counts periods in which the estimate from the readings is implausible. The conditions may be interrupted: each good reading or period takes
+/// back half of a bad one.
 ///
 /// - *_lost: no accepted frame for the input's maximum age, or a reading later than half of it
 /// - *_corrupt: as *_lost, but frames arrived and were refused; or the refused frames exceed the accepted ones by more than the maximum age has
@@ -42,7 +42,7 @@ namespace antiskid::control {
 class Monitor {
   public:
     /// The controller's state in the previous period.
-    struct Before {
+    struct PreviousStep {
         bool rolling;  ///< on the wheels and spun up since touchdown
         bool braking;  ///< a law acted
         float slip_reference;
@@ -51,7 +51,7 @@ class Monitor {
     explicit Monitor(const Config& config);
 
     /// Faults present in this period. `estimator` has already seen the same inputs.
-    [[nodiscard]] FaultSet check(const Sensors& sensors, const Estimator& estimator, const Before& before, Time now);
+    [[nodiscard]] FaultSet check(const Sensors& sensors, const Estimator& estimator, const PreviousStep& previous, Time now);
 
   private:
     /// Age and refusals of one input.
@@ -69,8 +69,8 @@ class Monitor {
     /// One speed.
     struct Speed {
         Speed(const MonitorConfig& config, float period_s) : reading(config.implausible_s, period_s), stays(config.stuck_s, period_s) {}
-        Test reading;
-        Test stays;
+        FaultCounter reading;
+        FaultCounter stays;
         float min = 0.0F;  // that it must still have: the wheel in rad/s, the aircraft in m/s
         float last_radps = 0.0F;
         bool known = false;
@@ -81,10 +81,10 @@ class Monitor {
     };
 
     void check_arrivals(FaultSet& faults, const Sensors& sensors, Time now);
-    void check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before);
+    void check_wheel(FaultSet& faults, const Estimator& estimator, const PreviousStep& previous);
     void check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands);
-    void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator, const Before& before);
-    void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const Before& before);
+    void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator, const PreviousStep& previous);
+    void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const PreviousStep& previous);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
     void check_overrun(FaultSet& faults, std::uint32_t missed_periods);
     /// Faults of a fresh reading by itself and compared with the previous one.
@@ -106,7 +106,7 @@ class Monitor {
     Speed flywheel_;
     float max_mps_ = 0.0F;       // that an aircraft on its wheels can have
     float acted_radps2_ = 0.0F;  // by brake or road, with what is left of it in a carcass
-    Test pressure_reading_, pressure_stays_;
+    FaultCounter pressure_reading_, pressure_stays_;
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;
     float model_at_change_Pa_ = 0.0F;

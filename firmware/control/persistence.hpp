@@ -35,9 +35,9 @@ class Persistence {
 };
 
 /// Counts bad readings of a signal against good ones; a good one takes back half of a bad one, so that an intermittent fault is found.
-class Test {
+class FaultCounter {
   public:
-    Test(float limit_s, float period_s) : limit_(2U * whole_periods(limit_s, period_s)) {}
+    FaultCounter(float limit_s, float period_s) : limit_(2U * whole_periods(limit_s, period_s)) {}
 
     /// Takes the faults of one reading (counted as a period) or of one period; empty if it is good.
     void take(FaultSet wrong) {

@@ -18,7 +18,7 @@ void SlipLaw::start(const Estimate& estimate) {
     asked_ = reference_;
     integral_ = 0.0F;
     answer_per_s_ = estimate.answer_per_s;
-    off_slip_ = 0.0F;
+    slip_error_ = 0.0F;
 }
 
 /// Lowers the reference for slip that stays above it, the sign of a hunting loop or a locking wheel on any road. The floor takes the largest
@@ -32,8 +32,8 @@ void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
 float SlipLaw::answered_rate_per_s(const Estimate& e) {
     answer_per_s_ += (e.answer_per_s - answer_per_s_) * config_.answer_filter_radps * period_s_;
     const float wanted = (answer_per_s_ + config_.runaway_per_s) / config_.answer_scale_per_s;
-    off_slip_ += (magnitude(e.slip - reference_) - off_slip_) * config_.answer_filter_radps * period_s_;
-    const bool may_fall = wanted > 0.0F || off_slip_ >= config_.restless_slip;
+    slip_error_ += (magnitude(e.slip - reference_) - slip_error_) * config_.answer_filter_radps * period_s_;
+    const bool may_fall = wanted > 0.0F || slip_error_ >= config_.max_held_slip_error;
     return may_fall ? smaller(wanted, 1.0F) * config_.rise_per_s : 0.0F;
 }
 

@@ -55,7 +55,7 @@ class SlipLaw {
     float integral_ = 0.0F;      // of the slip error times k_i, 1/s
     float share_ = 1.0F;         // of the reference, in force
     float answer_per_s_ = 0.0F;  // filtered
-    float off_slip_ = 0.0F;      // distance from the reference, filtered
+    float slip_error_ = 0.0F;    // distance from the reference, filtered
 };
 
 }  // namespace antiskid::control

@@ -8,7 +8,7 @@ SpeedTracker::SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder)
     : bandwidth_radps_(bandwidth_radps),
       max_speed_(encoder.max_speed_radps),
       max_acceleration_(encoder.max_acceleration_radps2),
-      patience_s_(encoder.patience_s) {}
+      reject_timeout_s_(encoder.reject_timeout_s) {}
 
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
@@ -48,7 +48,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
     const float innovation = reading.speed_radps - (speed_ - since_middle);
     const float since = larger(reading.interval_s, period_s);
     constexpr float kTwice = 2.0F;  // the prediction may be as far off as the reading
-    if (unheard_s_ < patience_s_ && magnitude(innovation) > kTwice * max_acceleration_ * since) return;
+    if (unheard_s_ < reject_timeout_s_ && magnitude(innovation) > kTwice * max_acceleration_ * since) return;
     unheard_s_ = 0.0F;
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);

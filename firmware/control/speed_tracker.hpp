@@ -9,7 +9,7 @@ namespace antiskid::control {
 class SpeedTracker {
   public:
     /// Acceleration is limited to the encoder's. Readings off the prediction by more than twice what that allows are ignored for
-    /// EncoderConfig::patience_s, so that no wrong reading leads to a state from which the following ones cannot recover.
+    /// EncoderConfig::reject_timeout_s, so that no wrong reading leads to a state from which the following ones cannot recover.
     SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder);
 
     /// One period of `period_s` has passed. Assumes that acceleration changes slowly.
@@ -23,7 +23,7 @@ class SpeedTracker {
     float bandwidth_radps_;
     float max_speed_;
     float max_acceleration_;
-    float patience_s_;
+    float reject_timeout_s_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;
     float unheard_s_ = 0.0F;  // since the last accepted reading

@@ -4,7 +4,6 @@
 /// Slip is dimensionless, eq. (3): 0 free rolling, 1 locked.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 

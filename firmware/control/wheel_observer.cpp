@@ -14,7 +14,7 @@ WheelObserver::WheelObserver(const ObserverConfig& config, const WheelConfig& wh
       max_radps_(wheel.encoder.max_speed_radps),
       max_radps2_(wheel.encoder.max_acceleration_radps2),
       pitch_rad_(kFullTurn / wheel.encoder.teeth),
-      patience_s_(wheel.encoder.patience_s),
+      reject_timeout_s_(wheel.encoder.reject_timeout_s),
       hardest_brake_(wheel.hardest_brake),
       period_s_(period_s),
       learns_answer_(config.answer_noise > 0.0F) {}
@@ -93,7 +93,7 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     constexpr float kWild = 4.0F;  // standard deviations: chance alone takes one sound reading in 16,000 there
     const float acts_radps2 = surprise < 0.0F ? larger(drive.brake_now_radps2, motion_.road_radps2) : max_radps2_;
     if (magnitude(surprise) > hardest_brake_ * acts_radps2 * since + kWild * noise) {
-        if (unheard_s_ >= patience_s_) begin(reading.speed_radps);
+        if (unheard_s_ >= reject_timeout_s_) begin(reading.speed_radps);
         return;
     }
     unheard_s_ = 0.0F;

@@ -51,8 +51,8 @@ class WheelObserver {
         float steady_radps2 = 0.0F;     ///< omega v_dot / v
     };
     /// One period. An invalid reading or a wheel at standstill restarts the filter. An impossible reading is ignored; it restarts the filter once
-    /// EncoderConfig::patience_s has passed since the last accepted one. Readings that deviate persistently to one side mean another road, and the
-    /// learnt answer is discarded.
+    /// EncoderConfig::reject_timeout_s has passed since the last accepted one. Readings that deviate persistently to one side mean another road, and
+    /// the learnt answer is discarded.
     void update(const SpeedReading& reading, const Drive& drive);
 
     [[nodiscard]] const WheelMotion& motion() const { return motion_; }
@@ -72,7 +72,7 @@ class WheelObserver {
     float max_radps_;
     float max_radps2_;
     float pitch_rad_;
-    float patience_s_;
+    float reject_timeout_s_;
     float hardest_brake_;
     float period_s_;
     bool learns_answer_;

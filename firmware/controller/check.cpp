@@ -37,12 +37,12 @@ std::string_view name(CheckResult verdict) {
     return kNames.at(static_cast<std::size_t>(verdict));
 }
 
-Check judged(std::string name, bool good, Words words, CheckResult otherwise) {
+Check judged(std::string name, bool good, CheckTexts texts, CheckResult otherwise) {
     return {.name = std::move(name),
             .verdict = good ? CheckResult::pass : otherwise,
-            .measured = std::move(words.measured),
-            .required = std::move(words.required),
-            .remedy = good ? std::string() : std::move(words.remedy),
+            .measured = std::move(texts.measured),
+            .required = std::move(texts.required),
+            .remedy = good ? std::string() : std::move(texts.remedy),
             .figures = {}};
 }
 

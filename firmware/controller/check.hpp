@@ -29,13 +29,13 @@ struct Check {
 using Checks = std::vector<Check>;
 
 /// Texts of a check, see Check.
-struct Words {
+struct CheckTexts {
     std::string measured;
     std::string required;
     std::string remedy;
 };
 /// Verdict `pass` if `good`, else `otherwise`. A passed check has no remedy.
-[[nodiscard]] Check judged(std::string name, bool good, Words words, CheckResult otherwise = CheckResult::fail);
+[[nodiscard]] Check judged(std::string name, bool good, CheckTexts texts, CheckResult otherwise = CheckResult::fail);
 [[nodiscard]] Check skipped(std::string name, std::string why, std::string required);
 
 void append(Checks& checks, Checks more);

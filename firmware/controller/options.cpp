@@ -1,7 +1,6 @@
 #include "firmware/controller/options.hpp"
 
 #include <cstdio>
-#include <string>
 
 #include "firmware/host/settings/command_line.hpp"
 

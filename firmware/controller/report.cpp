@@ -6,7 +6,6 @@
 #include <chrono>
 #include <iterator>
 #include <string_view>
-#include <utility>
 
 #include "firmware/can/names.hpp"
 #include "firmware/can/roles.hpp"

@@ -12,7 +12,7 @@ namespace antiskid::controller {
 
 namespace {
 
-constexpr std::uint64_t kSaid = 3;
+constexpr std::uint64_t kMaxLogged = 3;
 
 double seconds(const control::Time time) {
     return std::chrono::duration<double>(time).count();
@@ -31,11 +31,11 @@ void Telemetry::drain(host::CycleRing& ring) {
 }
 
 void Telemetry::on_record(const host::CycleRecord& record) {
-    if ((last_.step == 0 || record.command.state != last_.command.state) && !often(std::string(can::name(record.command.state))))
+    if ((last_.step == 0 || record.command.state != last_.command.state) && !suppressed(std::string(can::name(record.command.state))))
         logger_.info("[{:.3f} s] state {}", seconds(record.now), can::name(record.command.state));
     report_faults(record);
     report_link(record);
-    if (record.synchronised != last_.synchronised && !often("SYNC")) {
+    if (record.synchronised != last_.synchronised && !suppressed("SYNC")) {
         if (record.synchronised)
             logger_.info("[{:.3f} s] SYNC is back on {}", seconds(record.now), interface_);
         else
@@ -50,25 +50,25 @@ void Telemetry::on_record(const host::CycleRecord& record) {
 void Telemetry::report_faults(const host::CycleRecord& record) {
     if (record.command.faults == last_.command.faults) return;
     for (const std::string& fault : can::fault_names(without(record.command.faults, last_.command.faults))) {
-        if (often(fault)) continue;
+        if (suppressed(fault)) continue;
         logger_.error("[{:.3f} s] fault {}: valve to its safe current", seconds(record.now), fault);
     }
     for (const std::string& fault : can::fault_names(without(last_.command.faults, record.command.faults))) {
-        if (often(fault)) continue;
+        if (suppressed(fault)) continue;
         logger_.info("[{:.3f} s] fault {} cleared", seconds(record.now), fault);
     }
 }
 
-bool Telemetry::often(const std::string& what) {
-    const bool more = ++changes_[what] > kSaid || flaps_.contains(what);
-    if (more) ++unsaid_;
-    return more;
+bool Telemetry::suppressed(const std::string& what) {
+    const bool suppress = ++changes_[what] > kMaxLogged || flaps_.contains(what);
+    if (suppress) ++suppressed_count_;
+    return suppress;
 }
 
 void Telemetry::report_link(const host::CycleRecord& record) {
     const can::LinkStatus& link = record.link;
     if (link.up == last_.link.up && link.bus_off == last_.link.bus_off) return;
-    if (often("link")) return;
+    if (suppressed("link")) return;
     const double at = seconds(record.now);
     if (link.bus_off)
         logger_.error("[{:.3f} s] {} is bus-off; the kernel restarts it if it has `ip link set {} type can restart-ms 100`", at, interface_,
@@ -80,16 +80,16 @@ void Telemetry::report_link(const host::CycleRecord& record) {
 }
 
 void Telemetry::summarise(const host::CycleRing& ring) {
-    if (unsaid_ != 0) {
+    if (suppressed_count_ != 0) {
         std::string list;
         for (const auto& [what, times] : changes_)
             if (times > 1) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", what, times);
-        logger_.warn("{} changes are not listed; since the last summary: {}", unsaid_, list);
-        unsaid_ = 0;
+        logger_.warn("{} changes are not listed; since the last summary: {}", suppressed_count_, list);
+        suppressed_count_ = 0;
     }
     flaps_.clear();
     for (const auto& [what, times] : changes_)
-        if (times > kSaid) flaps_.insert(what);
+        if (times > kMaxLogged) flaps_.insert(what);
     changes_.clear();
     if (steps_ == 0) {
         logger_.warn("no step in the last second: {}", last_.step == 0 ? "nothing has come on " + interface_ + " yet" : "the loop stands");

@@ -34,7 +34,7 @@ class Telemetry {
     void on_record(const host::CycleRecord& record);
     void report_faults(const host::CycleRecord& record);
     void report_link(const host::CycleRecord& record);
-    [[nodiscard]] bool often(const std::string& what);
+    [[nodiscard]] bool suppressed(const std::string& what);
 
     spdlog::logger& logger_;
     std::string interface_;
@@ -45,7 +45,7 @@ class Telemetry {
     std::uint64_t dropped_ = 0;
     std::map<std::string, std::uint64_t> changes_;  // number since the last summary, by state, fault, link or SYNC
     std::set<std::string> flaps_;                   // those that recurred in the last summary interval
-    std::uint64_t unsaid_ = 0;
+    std::uint64_t suppressed_count_ = 0;
 };
 
 }  // namespace antiskid::controller

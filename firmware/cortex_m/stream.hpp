@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <type_traits>
 
 namespace antiskid::cortex_m {
 

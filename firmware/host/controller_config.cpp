@@ -1,6 +1,5 @@
 #include "firmware/host/controller_config.hpp"
 
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
@@ -104,7 +103,7 @@ control::SlipConfig slip(const settings::Table& t) {
                           .low_speed_floor_mps = number(t, "low_speed_floor_mps", 0.0, 100.0),
                           .low_speed_slip = number(t, "low_speed_slip", 0.0, 0.5),
                           .runaway_per_s = number(t, "runaway_per_s", 0.0, 1e3),
-                          .restless_slip = number(t, "restless_slip", 0.0, 1.0),
+                          .max_held_slip_error = number(t, "restless_slip", 0.0, 1.0),
                           .answer_scale_per_s = number(t, "answer_scale_per_s", 0.1, 1e4),
                           .answer_filter_radps = number(t, "answer_filter_radps", 0.1, 200.0),
                           .rise_per_s = number(t, "rise_per_s", 0.0, 100.0),
@@ -167,21 +166,21 @@ control::PressureBiasConfig pressure_bias(const settings::Table& t) {
 
 /// What a key of the file decides further, as a share of it. docs/engineering/controller.md has the reasons.
 namespace derived {
-constexpr float kSelfTest = 0.2F;      // of stuck_ms
-constexpr float kDemand = 0.4F;        // of residual_pressure_Pa: less is no demand
-constexpr float kHysteresis = 0.2F;    // of drop_out_mps
-constexpr float kPlausible = 0.9F;     // of drop_out_mps: a reference that died above it would look like drop-out
-constexpr float kStandstill_s = 0.1F;  // frames without an edge that make a standstill, SpeedEstimator
-constexpr float kSettled = 3.0F;       // time constants of the valve
-constexpr float kImplausible = 0.25F;  // of sensor_max_age_ms
-constexpr float kOverruns = 2.5F;      // of the periods in sensor_max_age_ms
-constexpr float kOffCommand = 0.4F;    // of stuck_ms
-constexpr float kMoves = 1.0F / 3.0F;  // of off_command_Pa
-constexpr float kPressureRate = 2.0F;  // of a full step's rate by eq. (6); the rest is noise of one reading
-constexpr float kOverspeed = 3.0F;     // of radius_tolerance
-constexpr float kPatience = 0.5F;      // of sensor_max_age_ms, as frames that are that late count as lost
-constexpr float kHardest = 2.0F;       // of brake_gain_m3: linings grip 1.3 times that (uncertainty.toml), a carcass swings back by the rest
-constexpr float kFreeSlip = 1.6F;      // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
+constexpr float kSelfTest = 0.2F;       // of stuck_ms
+constexpr float kDemand = 0.4F;         // of residual_pressure_Pa: less is no demand
+constexpr float kHysteresis = 0.2F;     // of drop_out_mps
+constexpr float kPlausible = 0.9F;      // of drop_out_mps: a reference that died above it would look like drop-out
+constexpr float kStandstill_s = 0.1F;   // frames without an edge that make a standstill, SpeedEstimator
+constexpr float kSettled = 3.0F;        // time constants of the valve
+constexpr float kImplausible = 0.25F;   // of sensor_max_age_ms
+constexpr float kOverruns = 2.5F;       // of the periods in sensor_max_age_ms
+constexpr float kOffCommand = 0.4F;     // of stuck_ms
+constexpr float kMoves = 1.0F / 3.0F;   // of off_command_Pa
+constexpr float kPressureRate = 2.0F;   // of a full step's rate by eq. (6); the rest is noise of one reading
+constexpr float kOverspeed = 3.0F;      // of radius_tolerance
+constexpr float kRejectTimeout = 0.5F;  // of sensor_max_age_ms, as frames that are that late count as lost
+constexpr float kHardest = 2.0F;        // of brake_gain_m3: linings grip 1.3 times that (uncertainty.toml), a carcass swings back by the rest
+constexpr float kFreeSlip = 1.6F;       // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
 }  // namespace derived
 
 control::SupervisorConfig supervisor(const settings::Table& t, const control::ValveConfig& v, float stuck_s) {
@@ -247,7 +246,7 @@ control::Config load_controller_config(const std::filesystem::path& path) {
     c.monitor = monitor(checks, c, number(states, "drop_out_mps", 1.2, 20.0));
     c.supervisor = supervisor(states, c.valve, c.monitor.stuck_s);
     c.wheel.hardest_brake = derived::kHardest;
-    c.wheel.encoder.patience_s = c.flywheel.encoder.patience_s = derived::kPatience * c.monitor.sensor_max_age_s;
+    c.wheel.encoder.reject_timeout_s = c.flywheel.encoder.reject_timeout_s = derived::kRejectTimeout * c.monitor.sensor_max_age_s;
     doc.finish();
     return c;
 }

@@ -135,7 +135,7 @@ class BridgeLoop final : public Loop {
     void step(Time now) override {
         bus_.sent.clear();
         plc_.commands.clear();
-        heard_.bus.looked = heard_.bus.view.controller.status_received = now;
+        heard_.bus.valid_at = heard_.bus.view.controller.status_received = now;
         heard_.bus.view.wheel.received = heard_.bus.view.flywheel.received = heard_.bus.view.pressure.received = now;
         const rig::bridge::Moment& moment = node_.step(nullptr, {}, now);
         if (!panel_) return;

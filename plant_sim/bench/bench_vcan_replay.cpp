@@ -7,7 +7,6 @@
 
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>

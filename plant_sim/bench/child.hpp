@@ -1,4 +1,4 @@
-/// A program that a benchmark starts; it never outlives its object.
+/// A program started by a benchmark; it is killed with its object.
 #pragma once
 
 #include <chrono>
@@ -10,19 +10,19 @@ namespace antiskid::bench {
 
 class Child {
   public:
-    /// `words`: program (looked up in PATH when it has no slash) and arguments. Standard output and error are
-    /// appended to `log`. Throws std::system_error when it cannot be started.
+    /// `words`: program (searched for in PATH if it has no slash) and arguments. Standard output and error are appended to `log`. Throws
+    /// std::system_error if it cannot be started.
     Child(const std::vector<std::string>& words, const std::filesystem::path& log);
-    /// Kills what still runs.
+    /// Kills the program if it still runs.
     ~Child();
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
 
-    /// True when it has ended by itself within `time`. Asleep meanwhile.
+    /// Waits for at most `time`; true if it has ended by itself.
     [[nodiscard]] bool ends_within(std::chrono::milliseconds time);
-    /// Asks it to end by SIGTERM and waits for that; throws std::runtime_error when it does not.
+    /// Sends SIGTERM and waits for the end; throws std::runtime_error if it does not come.
     void stop();
-    /// Its exit status, 128 + n after signal n; only after ends_within() was true or stop().
+    /// Exit status, or 128 + n after signal n; only after stop(), or ends_within() that returned true.
     [[nodiscard]] int status() const { return status_; }
     /// Throws std::runtime_error unless the status is 0.
     void expect_success() const;

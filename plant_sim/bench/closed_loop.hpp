@@ -1,4 +1,4 @@
-/// One stop in closed loop, down to drop-out, with either plant: sensors, codec rounding, real controller at 1 kHz.
+/// One stop in closed loop down to drop-out, with either plant: sensors, rounding by the codec, the real controller at 1 kHz.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct Loop {
 struct Stop {
     std::int64_t steps = 0;
     double distance_m = 0.0;
-    std::vector<antiskid::control::Sensors> seen;  // kept on request
+    std::vector<antiskid::control::Sensors> seen;  // only on request
 };
 
 inline double speed_of(const plant::Rig& rig) {

@@ -1,4 +1,4 @@
-/// Processor time of what runs, and the middle of several measurements.
+/// Processor time of a function, and quantiles of several measurements.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace bench {
 
-/// Of this process, whatever else the machine does meanwhile.
+/// Processor time of this process; other load of the machine does not count.
 inline double processor_s() {
     timespec now{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -35,7 +35,7 @@ inline double median(const std::vector<double>& values) {
     return quantile(values, 0.5);
 }
 
-/// What main() returns: the benchmark's status, or 1 and its error on standard error.
+/// Returns the benchmark's status, or prints its exception on standard error and returns 1. For main().
 template <typename Run>
 int status_of(const char* name, const Run& run) {
     try {

@@ -1,4 +1,4 @@
-/// The plant's equations on boost::odeint's Dormand-Prince method of order five with error control: what one would reach for first.
+/// The plant's equations, integrated by boost::odeint's Dormand-Prince method of order five with error control, as the obvious alternative.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace bench {
 enum : std::size_t { kSpeed, kOmega, kPressure, kPressureRate, kDistance, kAngle, kBrake, kTyre, kFriction, kStates };
 using OdeState = std::array<double, kStates>;
 
-/// Right-hand side of eq. (1) to (6) and (9), the static pressure linear in time.
+/// Right-hand side of eq. (1) to (6) and (9); the static pressure is linear in time.
 class Equations {
   public:
     explicit Equations(const rig::RigParameters& rig);
@@ -46,7 +46,7 @@ class Equations {
     double start_s = 0.0, start_Pa = 0.0, slope_Paps = 0.0;
 
   private:
-    /// Eq. (4) by libm's exp: for one evaluation at a time it is faster than the plant's own, which is made for vectors.
+    /// Eq. (4) with libm's exp, which is faster for a single evaluation than the plant's own, made for vectors.
     [[nodiscard]] double friction(double slip) const {
         const double magnitude = tyre_.c1 * (1.0 - std::exp(-tyre_.c2 * std::abs(slip))) - tyre_.c3 * std::abs(slip);
         return std::copysign(magnitude, slip);
@@ -59,7 +59,7 @@ class Equations {
 
 using Dopri5 = boost::numeric::odeint::runge_kutta_dopri5<OdeState>;
 
-/// In place of plant::Rig in a closed loop: valve, wheel and the same sensors, a step of 1 ms at a time.
+/// Replaces plant::Rig in a closed loop: valve, wheel and the same sensors, with steps of 1 ms.
 class OdeintRig {
   public:
     OdeintRig(const rig::RigParameters& rig, double tolerance, std::uint64_t seed);

@@ -29,7 +29,7 @@ std::string rig_clock(double seconds) {
                        static_cast<unsigned>(date.day()), time.hours().count(), time.minutes().count(), time.seconds().count());
 }
 
-/// Files and options: a campaign goes on with both as they were.
+/// Files and options that must be unchanged when a campaign continues.
 std::string configuration(const EnduranceSetup& setup, const CampaignOptions& o) {
     if (!o.by_model && o.taken_J == 0.0) return setup.config_hash;
     std::string brake = fmt::format("{}", o.taken_J);
@@ -38,8 +38,8 @@ std::string configuration(const EnduranceSetup& setup, const CampaignOptions& o)
     return settings::hash_bytes(parts);
 }
 
-/// The brake before the next maneuver. Its energy is what the ledger says; the state file may be a maneuver behind, where the program was
-/// killed between the two.
+/// The brake before the next maneuver. Its energy is that of the ledger; the state file may be one maneuver behind if the program was killed between
+/// the two.
 wear::BrakeState brake_before(const CampaignOptions& o, const wear::BrakeWear& wear, const rig::record::Ledger& ledger, const std::string& campaign) {
     std::optional<wear::BrakeState> kept;
     if (!o.brake_state.empty()) kept = wear::find_brake_state(o.brake_state, wear);
@@ -94,7 +94,7 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
                           .created = rig_clock(0.0)},
                          rig::record::IfChanged::reject);
     CampaignResult result;
-    result.already = ledger.finished_count();
+    result.earlier = ledger.finished_count();
     plc::ServedRigOptions machinery = setup.machinery;
     wear::BrakeWear wear = setup.scenario.rig.wear;
     if (options.by_model) wear.law.reset();
@@ -106,25 +106,25 @@ CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& 
     std::optional<rig::record::HealthWatch> watch;
     if (!options.wear_model.empty()) {
         watch.emplace(options.wear_model);
-        result.judged_by = watch->learnt_from();
+        result.model_origin = watch->learnt_from();
         rig::record::catch_up(*watch, ledger, rig::record::read_ledger(options.ledger, next.campaign));
     }
     const rig::Plan& mean = setup.scenario.mean;
-    std::optional<double> slip_reference;  // of the slip law alone
+    std::optional<double> slip_reference;  // only for the slip law
     if (mean.law == rig::BrakeLaw::slip) slip_reference = mean.slip_reference;
     while (const auto number = ledger.next_number()) {
         if (options.stop != nullptr && options.stop->load()) break;
         next.number = *number;
         next.started = rig_clock(cell.time_s());
         (void)ledger.begin(*number, next.started, slip_reference);
-        cell.rig().take_up(brake);
+        cell.rig().set_brake_state(brake);
         const rig::Plan plan = rig::plan(setup.scenario, options.seed, *number);
         result.last = summary_of(next, cell.run(plan), rig::acceptance(setup.scenario, plan));
         ledger.finish(result.last);
         if (watch && result.last.outcome == "finished" && !rig::record::off_conditions(result.last)) ledger.judge(*number, watch->after(result.last));
         next.cumulative_energy_J = result.last.cumulative_energy_J;
         brake = {brake.seed, brake.maneuvers + 1, next.cumulative_energy_J};
-        if (!options.brake_state.empty()) wear::keep_brake_state(options.brake_state, brake, wear);
+        if (!options.brake_state.empty()) wear::write_brake_state(options.brake_state, brake, wear);
         if (observe) observe(result.last, options.maneuvers);
         result.aborted = result.last.outcome != "finished";
         if (result.aborted) break;

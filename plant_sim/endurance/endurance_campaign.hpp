@@ -1,8 +1,8 @@
-/// An endurance campaign in process: one maneuver after the other in one TestCell, each entered into a ledger of the same format as the
-/// bridge's. A campaign that was stopped goes on with the next maneuver, the brake as worn as it was: before each maneuver the brake is what the
-/// ledger says of it, so that friction follows from seed, number and ledger alone.
+/// An endurance campaign in one process: maneuvers in a TestCell, each entered into a ledger of the bridge's format. A campaign that was stopped
+/// continues with its next maneuver. Before each maneuver the brake's state is taken from the ledger, so that friction depends only on seed, number
+/// and ledger.
 ///
-/// No wall clock: `started` is the rig's own time, counted from 1970-01-01T00:00:00Z. Same seed, same configuration: same rows.
+/// The wall clock is not used: `started` is rig time, counted from 1970-01-01T00:00:00Z. The same seed and configuration give the same rows.
 #pragma once
 
 #include <atomic>
@@ -21,30 +21,30 @@ struct CampaignOptions {
     std::int64_t maneuvers = 500;
     std::uint64_t seed = 1;  ///< below 2^63
     std::filesystem::path ledger;
-    std::filesystem::path wear_model{};               ///< that judges the brake's health after each maneuver; empty: nobody does
-    const std::atomic<bool>* stop = nullptr;          ///< looked at between two maneuvers
-    double taken_J = 0.0;                             ///< by the brake before the campaign
-    std::optional<wear::ConditionalRule> by_model{};  ///< friction is drawn from the model by this rule; none: by the rig's law where it has one
-    /// Read before the first maneuver where it is there (then instead of `taken_J` and, for the wear, of `seed`), written after each;
-    /// empty: none.
+    std::filesystem::path wear_model{};               ///< for the brake's health after each maneuver; empty: health is not judged
+    const std::atomic<bool>* stop = nullptr;          ///< checked between two maneuvers
+    double taken_J = 0.0;                             ///< energy taken by the brake before the campaign
+    std::optional<wear::ConditionalRule> by_model{};  ///< friction is drawn from the model by this rule; none: by the rig's law, if it has one
+    /// State of the brake; empty: none is kept. If the file exists, it is read before the first maneuver and replaces `taken_J` and, for the wear,
+    /// `seed`. It is written after each maneuver.
     std::filesystem::path brake_state{};
 };
 
 struct CampaignResult {
-    std::vector<rig::record::Summary> finished;  ///< every finished maneuver of the ledger, also those of earlier runs
-    std::int64_t already = 0;                    ///< of them
-    bool aborted = false;                        ///< a maneuver was: the campaign stopped there
+    std::vector<rig::record::Summary> finished;  ///< all finished maneuvers of the ledger, earlier runs included
+    std::int64_t earlier = 0;                    ///< number of them from earlier runs
+    bool aborted = false;                        ///< whether a maneuver was aborted, which ends the campaign
     rig::record::Summary last;                   ///< the newest maneuver, e.g. the aborted one
-    std::optional<wear::WearingBrake> brake;     ///< as it is at the end
-    rig::record::Health health;                  ///< of the brake; unknown without a model
-    std::string judged_by{};                     ///< what the model was learnt from
+    std::optional<wear::WearingBrake> brake;     ///< at the end
+    rig::record::Health health;                  ///< of the brake; unknown without `wear_model`
+    std::string model_origin{};                  ///< data from which the model was learnt
 };
 
-/// After each maneuver, with its number among `planned`.
+/// Called after each maneuver. `planned`: number of maneuvers of the campaign.
 using CampaignObserver = std::function<void(const rig::record::Summary&, std::int64_t planned)>;
 
-/// Throws rig::record::LedgerError; settings::Error where the ledger holds this campaign with another seed, configuration, rule or brake, and for a
-/// brake state that is not of this brake or not of this campaign.
+/// Throws rig::record::LedgerError; settings::Error if the ledger holds this campaign with another seed, configuration, rule or brake, or if the
+/// brake's state is of another brake or campaign.
 [[nodiscard]] CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& options, const CampaignObserver& observe = {});
 
 }  // namespace endurance

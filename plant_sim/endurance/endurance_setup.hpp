@@ -1,4 +1,4 @@
-/// Everything that a campaign in process needs, read and checked.
+/// Inputs of a campaign in one process, read and checked.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ struct EnduranceSetup {
     antiskid::control::Config controller;
     antiskid::can::Layout layout;
     plc::ServedRigOptions machinery;  ///< with a new brake
-    std::string config_hash;          ///< of every file that was read
+    std::string config_hash;          ///< of all files read
 };
 
 /// Throws settings::Error naming file, line and key, or std::invalid_argument.

@@ -12,7 +12,7 @@ using antiskid::can::Role;
 
 namespace {
 
-/// What a rig and its bridge send between them.
+/// Messages sent by a rig and its bridge.
 constexpr std::array kSaid{Role::wheel,         Role::flywheel,       Role::pressure,   Role::maneuver,
                            Role::rig_heartbeat, Role::emergency_stop, Role::load_cells, Role::maneuver_state};
 

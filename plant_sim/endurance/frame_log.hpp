@@ -1,5 +1,5 @@
-/// The bus log of a maneuver in process: the frames that rig, bridge and controller would have sent, as candump writes them. In lockstep:
-/// every sample ends with its SYNC, and the controller's answer follows.
+/// Bus log of a maneuver in one process: the frames that rig, bridge and controller would send, in candump's format. As in lockstep, a SYNC ends each
+/// sample and the controller's answer follows.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@ namespace endurance {
 
 class FrameLog {
   public:
-    /// A new file. `layout` must outlive the log.
+    /// Creates `file`. `layout` must outlive the log.
     FrameLog(const antiskid::can::Layout& layout, antiskid::control::Time period, const std::filesystem::path& file);
 
     void add(const Period& period);
-    /// Throws std::runtime_error when frames are missing.
+    /// Closes the file. Throws std::runtime_error if frames are missing.
     void finish();
     [[nodiscard]] std::uint64_t frames() const { return log_.frames(); }
 

@@ -14,7 +14,7 @@ namespace endurance {
 
 namespace {
 
-/// Mean and deviation of numbers that are not kept (Welford).
+/// Running mean and standard deviation (Welford).
 class Running {
   public:
     void add(double x) {
@@ -44,7 +44,7 @@ struct Third {
     double variance_of_mean_m2 = 0.0;
 };
 
-/// Of four spans.
+/// Mean of four spans.
 Third third(const SoakResult& result, std::size_t first) {
     double landings = 0.0;
     double sum_m = 0.0;
@@ -73,7 +73,7 @@ SoakResult soak(const EnduranceSetup& setup, const SoakOptions& options, const s
     while (result.seconds < options.seconds && result.ended_by.empty()) {
         if (options.stop != nullptr && options.stop->load()) break;
         const auto span = static_cast<std::size_t>(static_cast<double>(SoakResult::kSpans) * result.seconds / options.seconds);
-        cell.rig().take_up({options.seed, static_cast<std::uint64_t>(result.landings), 0.0});
+        cell.rig().set_brake_state({options.seed, static_cast<std::uint64_t>(result.landings), 0.0});
         const Outcome outcome = cell.run(rig::plan(setup.scenario, options.seed, result.landings + 1));
         result.ended_by = wrong_with(outcome);
         result.seconds = std::chrono::duration<double>(cell.controller_time()).count();
@@ -91,7 +91,7 @@ SoakResult soak(const EnduranceSetup& setup, const SoakOptions& options, const s
     return result;
 }
 
-std::vector<std::string> complaints(const SoakResult& result) {
+std::vector<std::string> violations(const SoakResult& result) {
     std::vector<std::string> list;
     if (!result.ended_by.empty()) list.push_back(fmt::format("landing {}: {}", result.landings, result.ended_by));
     for (std::size_t i = 2; i < SoakResult::kSpans; ++i) {
@@ -110,7 +110,7 @@ std::vector<std::string> complaints(const SoakResult& result) {
 
 std::string to_json(const SoakResult& result, const EnduranceSetup& setup, std::uint64_t seed) {
     settings::Json json{{"scenario", setup.scenario.name}, {"config_hash", setup.config_hash}, {"version", ANTISKID_VERSION},     {"seed", seed},
-                        {"seconds", result.seconds},       {"landings", result.landings},      {"complaints", complaints(result)}};
+                        {"seconds", result.seconds},       {"landings", result.landings},      {"complaints", violations(result)}};
     for (const SoakSpan& span : result.spans) {
         json["spans"].push_back({{"landings", span.landings},
                                  {"length_m_mean", span.length_m_mean},

@@ -1,10 +1,10 @@
-/// Landings back to back in one TestCell, for as long as somebody wants to know whether anything creeps: memory, stop length, faults.
+/// Landings one after the other in a TestCell, to find slow growth of memory use and slow changes of the stop length, and faults.
 ///
 ///     const endurance::SoakResult r = endurance::soak(setup, {.seconds = 86'400.0, .seed = 1}, heap_in_use);
-///     if (!endurance::complaints(r).empty()) ...
+///     if (!endurance::violations(r).empty()) ...
 ///
-/// The brake is a new one for each landing: what a brake does in its life is no creep. Time is the controller's own: while the brake cools it sleeps,
-/// and that does not count. No wall clock, no memory of its own that grows.
+/// Each landing has a new brake, since wear would change the stop length. Time is the controller's: it does not run while the brake cools. The wall
+/// clock is not used, and the memory of the soak itself does not grow.
 #pragma once
 
 #include <array>
@@ -22,35 +22,35 @@ namespace endurance {
 struct SoakOptions {
     double seconds = 86'400.0;
     std::uint64_t seed = 1;
-    const std::atomic<bool>* stop = nullptr;  ///< looked at between two landings
+    const std::atomic<bool>* stop = nullptr;  ///< checked between two landings
 };
 
-/// One of kSpans equal spans of the time.
+/// Results of one of kSpans equal parts of the time.
 struct SoakSpan {
     std::int64_t landings = 0;
-    double length_m_mean = 0.0;       ///< brake-on to drop-out or standstill, as the meter has it
-    double length_m_deviation = 0.0;  ///< of the landings from that mean
-    std::size_t max_heap_bytes = 0;   ///< in use after a landing
+    double length_m_mean = 0.0;       ///< from brake-on to drop-out or standstill, by the meter
+    double length_m_deviation = 0.0;  ///< standard deviation of the landings
+    std::size_t max_heap_bytes = 0;   ///< largest heap in use after a landing
 };
 
 struct SoakResult {
     static constexpr std::size_t kSpans = 12;
-    double seconds = 0.0;  ///< of the controller
+    double seconds = 0.0;  ///< time of the controller
     std::int64_t landings = 0;
     std::string ended_by;  ///< what was wrong with the last landing; empty: nothing
     std::array<SoakSpan, kSpans> spans{};
 };
 
-/// `heap_bytes` tells what the process has allocated. `observe` gets the share of the time that is over. Ends at the first landing that is
-/// aborted or has a fault.
+/// `heap_bytes` returns the bytes that the process has allocated. `observe` is called with the share of the time that has passed. Ends at the first
+/// landing that is aborted or has a fault.
 [[nodiscard]] SoakResult soak(const EnduranceSetup& setup, const SoakOptions& options, const std::function<std::size_t()>& heap_bytes,
                               const std::function<void(double share)>& observe = {});
 
-/// What must not be: a landing that went wrong; more heap in use in any span than in the second (the first is for warming up); a mean length
-/// in the last third that is off that of the first by more than four of its standard errors. Empty: nothing.
-[[nodiscard]] std::vector<std::string> complaints(const SoakResult& result);
+/// Failed requirements, empty if none: the last landing was aborted or had a fault; some span has more heap in use than the second (in the first,
+/// buffers reach their size); the mean stop length of the last third differs from that of the first by more than four standard errors.
+[[nodiscard]] std::vector<std::string> violations(const SoakResult& result);
 
-/// For a machine: result and complaints.
+/// Result and violations as JSON.
 [[nodiscard]] std::string to_json(const SoakResult& result, const EnduranceSetup& setup, std::uint64_t seed);
 
 }  // namespace endurance

@@ -1,4 +1,4 @@
-/// Table III against what was measured.
+/// Table III of the paper compared with measured maneuvers.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@ namespace endurance {
 
 struct Distribution {
     double mean = 0.0;
-    double deviation = 0.0;  ///< standard
+    double deviation = 0.0;  ///< standard deviation
 };
 
-/// Torque, load, speed, duration, length: in this order everywhere.
+/// Quantities of the table in the order that every array here has: torque, load, speed, duration, length.
 inline constexpr std::size_t kQuantities = 5;
 struct Quantity {
     const char* name;
@@ -36,13 +36,13 @@ inline constexpr std::array<Quantity, kQuantities> kTableThree{{
 
 using TableThree = std::array<Distribution, kQuantities>;
 
-/// As printed, from flywheel_rig.toml in `config`. Throws settings::Error.
+/// The table as printed, from flywheel_rig.toml in `config`. Throws settings::Error.
 [[nodiscard]] TableThree printed_table(const std::filesystem::path& config);
 
-/// Mean and sample standard deviation; the latter 0 for fewer than two maneuvers, both for none.
+/// Mean and sample standard deviation; the deviation is 0 for fewer than two maneuvers, both are 0 for none.
 [[nodiscard]] TableThree measured_table(std::span<const rig::record::Summary> maneuvers);
 
-/// For people. `printed` is left out where there is none: another rig than Table III's.
+/// Table as text. `printed`: none for another rig than Table III's.
 [[nodiscard]] std::string to_text(const TableThree& measured, const std::optional<TableThree>& printed);
 
 struct CampaignFacts {

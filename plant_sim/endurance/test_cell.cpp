@@ -42,7 +42,7 @@ TestCell::TestCell(const rig::Scenario& scenario, const antiskid::control::Confi
       wheel_(scenario.rig.rig.wheel_encoder.teeth),
       flywheel_(scenario.rig.rig.flywheel_encoder.teeth) {}
 
-rig::Inputs TestCell::look() const {
+rig::Inputs TestCell::sequencer_inputs() const {
     const rig::MeasuredValues& measured = rig_.measured();
     rig::modbus::Snapshot plc;
     plc.values = measured;
@@ -52,7 +52,7 @@ rig::Inputs TestCell::look() const {
     if (rig::at(measured, Measured::applied_commit) != commit_) plc.pending_s = rig_.time_s() - committed_s_;
     rig::bridge::BusNow bus;
     bus.up = true;
-    bus.looked = now_;
+    bus.valid_at = now_;
     for (auto* received : {&bus.view.wheel.received, &bus.view.flywheel.received, &bus.view.pressure.received, &bus.view.controller.status_received})
         *received = now_;
     bus.view.pressure.pressure_Pa = rig_.sample().pressure_Pa;
@@ -61,7 +61,7 @@ rig::Inputs TestCell::look() const {
     bus.wheel_radps = wheel_.radps();
     bus.wheel_rim_mps = bus.wheel_radps * scenario_.rolling_radius_m(rig::at(measured, Measured::vertical_load_N));
     constexpr double kConfirm_s = 0.1;
-    return rig::bridge::look(plc, bus, now_, {.commit_s = kConfirm_s});
+    return rig::bridge::sequencer_inputs(plc, bus, now_, {.commit_s = kConfirm_s});
 }
 
 void TestCell::command(const rig::Outputs& outputs, bool reset) {
@@ -93,9 +93,9 @@ void TestCell::measure(Phase phase, const antiskid::can::RigSample& sample, rig:
 
 void TestCell::period(const rig::Outputs& outputs, rig::record::Meter& meter, const PeriodObserver& observe) {
     antiskid::can::RigSample sample = rig_.sample();
-    const antiskid::can::RigSample said = rig::bridge::telegram(outputs, rig_.measured(), 1);
-    sample.maneuver = said.maneuver;
-    sample.emergency_stop = said.emergency_stop;
+    const antiskid::can::RigSample from_bridge = rig::bridge::rig_sample(outputs, rig_.measured(), 1);
+    sample.maneuver = from_bridge.maneuver;
+    sample.emergency_stop = from_bridge.emergency_stop;
     if (metered(outputs.phase)) measure(outputs.phase, sample, meter);
     const antiskid::control::Sensors& sensed = link_.sense(sample, now_);
     wheel_.update(sensed.wheel, now_);
@@ -105,7 +105,7 @@ void TestCell::period(const rig::Outputs& outputs, rig::record::Meter& meter, co
     const auto current_mA = static_cast<double>(link_.current_mA(command_));
     if (observe) {
         sample.load_cells = rig::bridge::load_cells(rig_.measured());
-        sample.maneuver_state = said.maneuver_state;
+        sample.maneuver_state = from_bridge.maneuver_state;
         observe({.time_s = rig_.time_s(), .sample = sample, .command = command_, .current_mA = current_mA});
     }
     rig_.advance(current_mA);
@@ -133,10 +133,10 @@ Outcome TestCell::run(const rig::Plan& plan, const PeriodObserver& observe) {
     await_cold_brake(plan);
     faults_ = {};
     while (!sequencer.over()) {
-        const rig::Inputs seen = look();
-        const rig::Outputs outputs = sequencer.step(seen, rig_.time_s());
-        const bool reset = reset_.step(outputs.phase == Phase::idle && !seen.plc_ready && seen.emergency_stop_clear && seen.guard_closed &&
-                                           seen.hydraulics_ready && seen.drive_healthy,
+        const rig::Inputs inputs = sequencer_inputs();
+        const rig::Outputs outputs = sequencer.step(inputs, rig_.time_s());
+        const bool reset = reset_.step(outputs.phase == Phase::idle && !inputs.plc_ready && inputs.emergency_stop_clear && inputs.guard_closed &&
+                                           inputs.hydraulics_ready && inputs.drive_healthy,
                                        rig_.time_s());
         command(outputs, reset);
         if (outputs.phase == Phase::cool_down && rig_.idle()) cool(plan);

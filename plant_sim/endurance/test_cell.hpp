@@ -1,11 +1,11 @@
-/// Rig, PLC, controller and sequencer in one process, faster than real time: the same code as in the three programs, joined without bytes.
-/// Figures come from the meter, on what the sensors said and the bus would have carried.
+/// Rig, PLC, controller and sequencer in one process, faster than real time: the code of the three programs, connected by function calls. The figures
+/// come from the meter, which gets the sensor values as the bus would carry them.
 ///
 ///     endurance::TestCell cell(scenario, controller, layout, plc::load_served_rig(config, plc::Bench::endurance), seed);
 ///     const endurance::Outcome outcome = cell.run(rig::plan(scenario, seed, number));
 ///
-/// The controller steps every control period, the sequencer every kSequencer_s. While the brake cools on a rig where nothing moves, time
-/// passes in one piece and the controller sleeps.
+/// The controller steps in each control period, the sequencer every kSequencer_s. While the brake cools on a rig at rest, time advances at once and
+/// the controller does not step.
 #pragma once
 
 #include <functional>
@@ -26,15 +26,15 @@ struct Outcome {
     rig::Phase phase = rig::Phase::idle;  ///< finished or aborted
     rig::Abort abort = rig::Abort::none;
     rig::record::Figures figures;
-    antiskid::control::FaultSet faults;  ///< the controller's, latched at any time
+    antiskid::control::FaultSet faults;  ///< all that the controller reported
 };
 
-/// One control period: what rig and bridge said (load cells and phase among it), and what the controller answered.
+/// One control period: values sent by rig and bridge (load cells and phase included), and the controller's command.
 struct Period {
     double time_s;  ///< of the rig
     const antiskid::can::RigSample& sample;
     const antiskid::control::Command& command;
-    double current_mA;  ///< as the valve driver decodes it, held to the next period
+    double current_mA;  ///< as decoded by the valve driver; held until the next period
 };
 using PeriodObserver = std::function<void(const Period&)>;
 
@@ -42,25 +42,25 @@ class TestCell {
   public:
     static constexpr double kSequencer_s = 0.01;
 
-    /// `layout` must outlive the cell. The rig's period becomes the controller's. Throws std::invalid_argument where that is none of whole
+    /// `layout` must outlive the cell. The rig takes the controller's period. Throws std::invalid_argument if that is not a whole number of
     /// milliseconds.
     TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller, const antiskid::can::Layout& layout,
              plc::ServedRigOptions options, std::uint64_t seed);
 
-    /// One maneuver from idle to its end, as the bridge runs it: a brake that the one before left hot cools first, and a tripped PLC is
-    /// reset where every interlock is good. `observe` sees every period from then on that is not slept through.
+    /// One maneuver from idle to its end, as the bridge runs it. Before it a hot brake cools, and a tripped PLC is reset if every interlock is good.
+    /// `observe` is called for each period in which the controller steps.
     [[nodiscard]] Outcome run(const rig::Plan& plan, const PeriodObserver& observe = {});
 
-    /// The rig, e.g. to open an interlock or to look at the truth.
+    /// The rig, e.g. to open an interlock or to read true values.
     [[nodiscard]] plc::ServedRig& rig() { return rig_; }
     [[nodiscard]] double time_s() const { return rig_.time_s(); }
-    /// What the controller has lived through: it sleeps while the brake cools.
+    /// The controller's time, without the periods in which the brake cooled.
     [[nodiscard]] antiskid::control::Time controller_time() const { return now_; }
 
   private:
     void measure(rig::Phase phase, const antiskid::can::RigSample& sample, rig::record::Meter& meter) const;
-    [[nodiscard]] rig::Inputs look() const;
-    /// As the bridge's client does it: a new commit number where anything differs; the watchdog always moves.
+    [[nodiscard]] rig::Inputs sequencer_inputs() const;
+    /// As the bridge's client does: a new commit number if a register differs; the watchdog always counts.
     void command(const rig::Outputs& outputs, bool reset);
     void period(const rig::Outputs& outputs, rig::record::Meter& meter, const PeriodObserver& observe);
     void cool(const rig::Plan& plan);

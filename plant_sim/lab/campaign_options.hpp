@@ -1,4 +1,4 @@
-/// Options of verbs that learn from campaigns or judge by what was learnt.
+/// Options of verbs that learn from campaigns or judge with a learnt model.
 #pragma once
 
 #include <filesystem>
@@ -14,20 +14,20 @@ using rig::replay::load_campaign;
 using rig::replay::load_campaigns;
 using rig::replay::OutOfTolerance;
 
-/// --model and --assume-made-up of a verb that judges a brake by others.
+/// --model and --assume-made-up of verbs that judge a brake by a population.
 struct PopulationOptions {
-    std::filesystem::path model;  ///< empty: the shipped one, which is made up, and only when that is asked for
+    std::filesystem::path model;  ///< empty: the shipped one, which is made up and needs `assume_made_up`
     bool assume_made_up = false;
 
     void add_to(CLI::App& verb);
-    /// Throws std::invalid_argument when neither is given, settings::Error for a file that is none.
+    /// Throws std::invalid_argument if neither is given, settings::Error for a file that is not a population.
     [[nodiscard]] wear::PopulationFile read() const;
 };
 
-/// --origin of a verb that learns: what its campaigns say of themselves, unless it is given.
+/// Adds --origin of verbs that learn; by default the campaigns' own origin.
 void add_origin(CLI::App& verb, std::string& origin);
 
-/// --out-of-tolerance of a verb that reads campaigns.
+/// Adds --out-of-tolerance of verbs that read campaigns.
 void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off);
 
 }  // namespace plant_sim::lab

@@ -1,4 +1,4 @@
-/// What was learnt about mu_b within a stop, for people, programs and the plant.
+/// Learnt variation of mu_b within a stop, as text, JSON, TOML and picture.
 #pragma once
 
 #include <filesystem>
@@ -18,16 +18,16 @@ struct ClassDynamics {
 
 struct DynamicsHead {
     std::string config_hash;
-    std::string data_hash;  ///< of every sample
+    std::string data_hash;  ///< hash of all samples
 };
 
-/// Two decimals more than the intervals have.
+/// Numbers have two decimals more than their intervals.
 [[nodiscard]] std::string to_text(const std::vector<ClassDynamics>& classes);
 [[nodiscard]] std::string to_json(const std::vector<ClassDynamics>& classes, const DynamicsHead& head);
-/// [brake.relative_friction], for `--friction-curves` and the rig's own file.
+/// Table [brake.relative_friction], for `--friction-curves` and the rig's own file.
 [[nodiscard]] std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHead& head);
-/// Fig. 6: samples of the stops, relative to each stop's mean, and the curve, over speed; a panel for each class. Throws std::runtime_error
-/// when gnuplot is not installed or fails.
+/// Fig. 6: samples of the stops relative to each stop's mean, and the curve, over speed; one panel per class. Throws std::runtime_error if gnuplot is
+/// missing or fails.
 void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings, const std::filesystem::path& png);
 
 }  // namespace plant_sim::lab

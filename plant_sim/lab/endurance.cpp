@@ -31,7 +31,7 @@ struct EnduranceCommand {
         const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
         const auto directory = out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
         settings::create_directories(directory);
-        const double taken_J = brake.taken_J(setup.scenario.rig.wear);
+        const double taken_J = brake.initial_energy_J(setup.scenario.rig.wear);
         if (!std::filesystem::exists(directory / "campaign.sqlite")) (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
         antiskid::host::StopSignals signals;
         std::optional<settings::Progress> progress;
@@ -50,8 +50,8 @@ struct EnduranceCommand {
                                                                           .brake_state = brake.state},
                                                                          observe);
         if (progress) progress->finish();
-        if (result.already > 0)
-            print_table(json_file, "{} maneuvers were in the ledger already; remove {} to begin anew\n", result.already, directory.string());
+        if (result.earlier > 0)
+            print_table(json_file, "{} maneuvers were in the ledger already; remove {} to begin anew\n", result.earlier, directory.string());
         report(setup, result, directory);
         if (const std::string beyond = extrapolation_notice(*result.brake); !beyond.empty()) fmt::print(stderr, "rig-lab: {}\n", beyond);
         if (result.aborted) {
@@ -75,11 +75,11 @@ struct EnduranceCommand {
         }
         if (!wear_model.empty())
             print_table(json_file, "  brake {}{}\n", name(result.health.state),
-                        result.health.reason.empty() ? ", judged by brakes " + result.judged_by : ": " + result.health.reason);
+                        result.health.reason.empty() ? ", judged by brakes " + result.model_origin : ": " + result.health.reason);
         const auto json = directory / "table.json";
-        keep_json(json, json_file,
-                  endurance::to_json({.scenario = setup.scenario.name, .config_hash = setup.config_hash, .version = ANTISKID_VERSION, .seed = seed},
-                                     done, printed));
+        write_json(json, json_file,
+                   endurance::to_json({.scenario = setup.scenario.name, .config_hash = setup.config_hash, .version = ANTISKID_VERSION, .seed = seed},
+                                      done, printed));
         print_table(json_file, "  {}, {}\n", (directory / "campaign.sqlite").string(), json.string());
     }
 };

@@ -61,7 +61,7 @@ struct FaultsCommand {
             return signals.number() == SIGINT ? 130 : 1;
         }
         settings::write_file(out / "runs.csv", faults::to_csv(campaign, rows));
-        keep_json(out / "results.json", json_file, faults::to_json(campaign, rows));
+        write_json(out / "results.json", json_file, faults::to_json(campaign, rows));
         if (pictures) faults::draw_matrix(campaign, rows, out / "matrix.png");
         constexpr std::size_t kShown = 20;
         print_table(json_file, "{}  seed {}, configuration {}, version {}\nWritten to {}: runs.csv results.json{}\n",
@@ -85,7 +85,7 @@ struct FaultsCommand {
     [[nodiscard]] int repeat(const faults::FaultPlan& campaign, std::size_t number) const {
         const faults::Case c = case_of(campaign, "--run", number);
         study::Trajectory course;
-        const faults::Result result = faults::run_one(campaign, c, faults::run_sound(campaign, c),
+        const faults::Result result = faults::run_one(campaign, c, faults::run_fault_free(campaign, c),
                                                       [&course](const faults::Period& p) { course.record(p.session, p.view, p.driver_mA); });
         settings::write_file(out / fmt::format("run-{}.csv", number), course.csv());
         const std::string what = faults::describe(campaign, c);
@@ -106,7 +106,7 @@ struct FaultsCommand {
         std::vector<faults::Explanation> explanations;
         explanations.reserve(found.size());
         for (const auto& one : found) explanations.push_back(*one);
-        keep_json(out / "explained.json", json_file, faults::to_json(campaign, explanations));
+        write_json(out / "explained.json", json_file, faults::to_json(campaign, explanations));
         print_table(json_file, "{}Written to {}: explained.json\n", faults::to_table(campaign, explanations), out.string());
         return 0;
     }

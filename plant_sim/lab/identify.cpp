@@ -183,7 +183,7 @@ struct IdentifyCommand {
                         "friction's peak\n",
                         validation->run, v.all.speed_mps.rms(), v.all.wheel_rim_mps.rms(), v.all.slip.rms(), v.past_peak * 100.0);
         }
-        keep_json(out / "results.json", json_file, identification::to_json(found, head.dump()));
+        write_json(out / "results.json", json_file, identification::to_json(found, head.dump()));
         if (pictures) draw(found, validation);
         print_table(json_file, "Written to {}: config (for --config), results.json{}\n", out.string(), pictures ? ", pictures" : "");
         return 0;

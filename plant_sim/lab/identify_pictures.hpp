@@ -1,4 +1,4 @@
-/// The pictures of rig-lab identify: what was measured, what was fitted, and what is left.
+/// Pictures of rig-lab identify: measurements, fits and residuals.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 
 namespace plant_sim::lab {
 
-/// The curve of every surface; those whose names are `strong`, drawn so and called identified.
+/// The curves of all surfaces; those whose names are in `strong` are drawn strong and labelled as identified.
 void draw_surfaces(const std::vector<rig::Surface>& surfaces, const std::vector<std::string>& strong, const std::filesystem::path& png);
 
-/// Into `directory`, each beside the CSV that it is drawn from: static_map.png, valve_NAME.png for every valve recording, wheel.png and
-/// friction_SURFACE.png where there are those fits. Returns their names.
+/// Draws in `directory`, each beside its CSV: static_map.png, valve_NAME.png for each valve recording, wheel.png and friction_SURFACE.png if these
+/// were fitted. Returns their names.
 std::vector<std::string> draw_identified(const identification::Identified& found, const std::filesystem::path& directory);
 
 }  // namespace plant_sim::lab

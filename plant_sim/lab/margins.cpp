@@ -252,14 +252,14 @@ struct MarginsCommand {
                 continue;
             }
             head.tyre = margins::tyre_name(tyres[i]);
-            keep_json(out / "results.json", json_file, margins::to_json(input.cases, cells, head));
+            write_json(out / "results.json", json_file, margins::to_json(input.cases, cells, head));
             margins::draw_plant(input.cases, options.slip_reference, picture_mps, out / "margins.png");
             margins::draw_margins(input.cases, cells, head, out / "margins_speed.png");
             print_table(json_file, "{}{}", margins::to_table(input.cases, cells, head), margins::excited_table(input.cases, cells));
             print_table(json_file, "Written to {}: results.json margins.png margins_speed.png\n", out.string());
         }
         if (rows.empty()) return 0;
-        keep_json(out / "results.json", json_file, to_json(rows, head));
+        write_json(out / "results.json", json_file, to_json(rows, head));
         print_table(json_file, "{}Written to {}: results.json\n", to_table(rows, head), out.string());
         return 0;
     }

@@ -1,4 +1,4 @@
-/// Stops that are tried from the panel: a maneuver in process for each position of its sliders.
+/// Stops requested from the panel: one maneuver in process for each position of its sliders.
 #pragma once
 
 #include <filesystem>
@@ -15,10 +15,10 @@ class PanelStops {
   public:
     explicit PanelStops(std::filesystem::path config);
 
-    /// What there is to choose.
+    /// The inputs that can be chosen.
     [[nodiscard]] const std::vector<rig::panel::Field>& fields() const { return fields_; }
-    /// {"figures":{...},"columns":{...}}. One at a time: throws panel::Busy while another runs, std::invalid_argument for what is not among the
-    /// fields.
+    /// Runs a stop and returns {"figures":{...},"columns":{...}}. One at a time: throws panel::Busy while another runs, std::invalid_argument for a
+    /// value that the fields do not allow.
     [[nodiscard]] std::string stop(const rig::panel::Query& query);
 
   private:

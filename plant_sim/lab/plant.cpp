@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <chrono>
-#include <map>
 #include <memory>
 
 #include "firmware/controller/controller_setup.hpp"

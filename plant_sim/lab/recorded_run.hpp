@@ -1,8 +1,7 @@
-/// What rig-bridge (or rig-lab maneuver) recorded, as the identification reads it.
+/// Recordings of rig-bridge or rig-lab maneuver for the identification.
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "firmware/can/layout.hpp"
@@ -11,14 +10,13 @@
 
 namespace plant_sim::lab {
 
-/// A bus log, plain or gzip, sample by sample (rig_bridge/record/sample_stream.hpp). Throws std::runtime_error for a log that cannot be read
-/// or holds no sample.
+/// Reads a bus log, plain or gzip (rig_bridge/record/sample_stream.hpp). Throws std::runtime_error for a log that cannot be read or has no sample.
 [[nodiscard]] identification::Recording read_recording(const std::filesystem::path& log, const antiskid::can::Layout& layout, double period_s);
 
-/// The scenario that a run's folder names in summary.json, out of `config`/scenarios.
+/// Path in `config`/scenarios of the scenario named by summary.json in a run's folder.
 [[nodiscard]] std::filesystem::path scenario_of(const std::filesystem::path& folder, const std::filesystem::path& config);
 
-/// What a scenario says of rig and road. `map_currents` empty: those of the configured map.
+/// Combines a recording with the scenario's rig and surface. `map_currents` empty: those of the configured map.
 [[nodiscard]] identification::Run run_of(const rig::Scenario& scenario, const std::filesystem::path& config, std::vector<double> map_currents,
                                          identification::Recording recording);
 

@@ -110,7 +110,7 @@ struct RegulateCommand {
         files.insert(files.end(), asked.files.begin(), asked.files.end());
         report.config_hash = settings::hash(files);
         print_table(json_file, "{}", to_text(report));
-        keep_json(out / "results.json", json_file, to_json(report));
+        write_json(out / "results.json", json_file, to_json(report));
         settings::write_file(out / "landings.csv", to_csv(report));
         draw(report, out / "regulate.png");
         print_table(json_file, "  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(), (out / "regulate.png").string());

@@ -1,4 +1,4 @@
-/// What `rig-lab regulate` leaves: table, results.json, landings.csv, regulate.png.
+/// Output of `rig-lab regulate`: table, results.json, landings.csv, regulate.png.
 #pragma once
 
 #include <filesystem>
@@ -14,21 +14,22 @@ struct RegulateReport {
     wear::WearPlan plan;
     wear::Rules rules;
     wear::Range range;
-    wear::LimitForecast limits;  ///< at the plan's begin
+    wear::LimitForecast limits;  ///< at the beginning of the plan
     regulation::FleetOptions options;
-    std::vector<regulation::PolicyLives> policies;                    ///< the regulated one first
-    double cost_bound = 0.0, cost_untold = 0.0, cost_unshared = 0.0;  ///< money a landing: Bound, told the surface or not; cost_unshared()
+    std::vector<regulation::PolicyLives> policies;  ///< the regulated one first
+    double cost_bound = 0.0, cost_untold = 0.0,
+           cost_unshared = 0.0;  ///< money per landing: Bound with the surface known, and unknown; cost_unshared()
     std::string config_hash;
 
     [[nodiscard]] std::vector<bool> feasible() const;  ///< of each life
-    [[nodiscard]] bool all_met() const;                ///< in every feasible life, and the floor was held
+    [[nodiscard]] bool all_met() const;                ///< whether both limits were met in every feasible life, and the floor was kept
 };
 
 [[nodiscard]] std::string to_text(const RegulateReport& report);
 [[nodiscard]] std::string to_json(const RegulateReport& report);
-/// Every landing of every life under every policy.
+/// All landings of all lives under all policies.
 [[nodiscard]] std::string to_csv(const RegulateReport& report);
-/// Throws std::runtime_error when gnuplot fails.
+/// Throws std::runtime_error if gnuplot fails.
 void draw(const RegulateReport& report, const std::filesystem::path& png);
 
 }  // namespace plant_sim::lab

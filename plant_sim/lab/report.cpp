@@ -57,7 +57,7 @@ struct ReportCommand {
         std::optional<settings::Progress> bar;
         const auto show = [&bar](const paper::SectionResult& result, std::size_t done, std::size_t all) {
             if (!bar) bar.emplace(static_cast<std::int64_t>(all), 0, "sections");
-            const char* state = result.failed() ? "failed" : result.answered_yes() ? "done" : "answers no";
+            const char* state = result.failed() ? "failed" : result.passed() ? "done" : "answers no";
             bar->show(static_cast<std::int64_t>(done), fmt::format("; {}: {}", result.section->id, state));
         };
         const std::vector<paper::SectionResult> results =
@@ -73,10 +73,10 @@ struct ReportCommand {
                                    .command = fmt::format("rig-lab report{} --out {}", quick ? " --quick" : "", out.string()),
                                    .quick = quick};
         settings::deliver((out / "report.html").string(), paper::to_html(found, results, rows, head));
-        keep_json(out / "results.json", json_file, paper::to_json(results, rows, head));
+        write_json(out / "results.json", json_file, paper::to_json(results, rows, head));
         bool all_well = true;
         for (const paper::SectionResult& r : results) {
-            if (r.answered_yes()) continue;
+            if (r.passed()) continue;
             all_well = false;
             for (const paper::CommandResult& c : r.commands)
                 if (c.status != 0) print_table(json_file, "{}: exit status {}: {}\n{}", r.section->id, c.status, c.line, c.errors);

@@ -37,7 +37,7 @@ struct RobustCommand {
         }
         const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
         settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));
-        keep_json(out / "results.json", json_file, robust::to_json(plan, rows, summaries));
+        write_json(out / "results.json", json_file, robust::to_json(plan, rows, summaries));
         if (pictures) robust::draw_j_mu(plan, rows, summaries, out / "robust.png");
         print_table(json_file, "{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
                     robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION, out.string(),

@@ -81,7 +81,7 @@ struct FailingCommand {
                         one["seed"].template get<std::uint64_t>());
         }
         if (failed.empty()) print_table(json_file, "  everything held\n");
-        keep_json(out / "results.json", json_file, result.dump(2) + "\n");
+        write_json(out / "results.json", json_file, result.dump(2) + "\n");
         if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
         return failed.empty() ? 0 : 1;
     }
@@ -94,7 +94,7 @@ struct FailingCommand {
         result["ended_by_refusals"] = sum.refusals;
         print_table(json_file, "{} maneuvers begun, {} starts of the program, {} operations of the disk\n", sum.maneuvers, sum.starts,
                     sum.operations);
-        for (std::size_t i = 0; i < sum.struck.size(); ++i) count(simulation::kDiskFaultNames.at(i), sum.struck.at(i), result["struck"]);
+        for (std::size_t i = 0; i < sum.fault_counts.size(); ++i) count(simulation::kDiskFaultNames.at(i), sum.fault_counts.at(i), result["struck"]);
     }
 
     void show(const simulation::CellOutcome& sum, settings::Json& result) const {
@@ -105,15 +105,16 @@ struct FailingCommand {
         result["operations"] = sum.operations;
         result["damaged_logs_named"] = sum.damaged;
         result["simulated_s"] = sum.simulated_s;
-        result["frames_struck"] = sum.frames_struck;
-        result["requests_struck"] = sum.requests_struck;
+        result["frames_struck"] = sum.faulted_frames;
+        result["requests_struck"] = sum.faulted_requests;
         print_table(json_file,
                     "{} maneuvers finished in {} attempts, {} starts of the bridge, {:.2f} h simulated; {} frames and {} requests struck, {} "
                     "operations of the disk\n",
-                    sum.finished, sum.attempts, sum.starts, sum.simulated_s / 3600.0, sum.frames_struck, sum.requests_struck, sum.operations);
+                    sum.finished, sum.attempts, sum.starts, sum.simulated_s / 3600.0, sum.faulted_frames, sum.faulted_requests, sum.operations);
         for (std::size_t i = 0; i < sum.begun.size(); ++i) count(simulation::kCellFaultNames.at(i), sum.begun.at(i), result["faults"]);
         print_table(json_file, "  the disk:\n");
-        for (std::size_t i = 0; i < sum.disk_struck.size(); ++i) count(simulation::kDiskFaultNames.at(i), sum.disk_struck.at(i), result["struck"]);
+        for (std::size_t i = 0; i < sum.disk_fault_counts.size(); ++i)
+            count(simulation::kDiskFaultNames.at(i), sum.disk_fault_counts.at(i), result["struck"]);
         print_table(json_file, "  aborts:\n");
         for (const auto& [cause, times] : sum.aborts) count(cause, times, result["aborts"]);
     }

@@ -44,14 +44,14 @@ struct SoakCommand {
             print_table(json_file, "  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings, span.length_m_mean, span.length_m_deviation,
                         span.max_heap_bytes);
         }
-        const auto complaints = endurance::complaints(result);
-        for (const std::string& complaint : complaints) print_table(json_file, "  WRONG: {}\n", complaint);
-        if (complaints.empty() && !signals.stop().load()) print_table(json_file, "  nothing creeps\n");
+        const auto violations = endurance::violations(result);
+        for (const std::string& violation : violations) print_table(json_file, "  WRONG: {}\n", violation);
+        if (violations.empty() && !signals.stop().load()) print_table(json_file, "  nothing creeps\n");
         const auto json = out / "soak.json";
-        keep_json(json, json_file, endurance::to_json(result, setup, seed));
+        write_json(json, json_file, endurance::to_json(result, setup, seed));
         print_table(json_file, "  {}\n", json.string());
         if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
-        return complaints.empty() ? 0 : 1;
+        return violations.empty() ? 0 : 1;
     }
 };
 

@@ -51,7 +51,7 @@ struct StopCommand {
         if (!bus_log.empty()) settings::deliver(bus_log, log);
         if (!trajectory.empty()) settings::deliver(trajectory, course.csv());
         if (!picture.empty()) pictures::draw_stop(course.rows(), picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s);
-        s.keep_brake(scenario, result.figures.energy_brake_J);
+        s.save_brake(scenario, result.figures.energy_brake_J);
         return result.came_to_rest ? 0 : 1;
     }
 };

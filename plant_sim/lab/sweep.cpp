@@ -96,7 +96,7 @@ struct SweepCommand {
         const sweep::Identity identity = sweep::identity_of(study);
         const sweep::Summary summary = sweep::summarised(identity, rows);
         settings::write_file(out / "stops.csv", sweep::to_csv(identity, rows));
-        keep_json(out / "results.json", json_file, sweep::to_json(summary));
+        write_json(out / "results.json", json_file, sweep::to_json(summary));
         if (pictures) {
             sweep::draw_fig13(summary, out / "fig13.png");
             sweep::draw_fig14(summary, out / "fig14.png");

@@ -33,7 +33,7 @@ struct TradeCommand {
         if (!std::filesystem::exists(file)) throw std::invalid_argument(file.string() + " is not there; `rig-lab sweep` makes it");
         const sweep::StopsTable table = sweep::read_stops(file);
         const sweep::Trade trade = sweep::traded(table, options);
-        keep_json(out / "results.json", json_file, sweep::to_json(trade, table, options));
+        write_json(out / "results.json", json_file, sweep::to_json(trade, table, options));
         if (pictures) sweep::draw_trade(trade, options, out / "trade.png");
         print_table(json_file, "{}Written to {}: results.json{}\n", sweep::to_text(trade, options), out.string(), pictures ? " trade.png" : "");
         return trade.best ? 0 : 1;

@@ -1,4 +1,4 @@
-/// The part of `rig-lab tune` that finds gains of the slip law.
+/// The part of `rig-lab tune` for the slip law.
 #pragma once
 
 #include <filesystem>
@@ -16,13 +16,13 @@ struct LawTuning {
     StopOptions scenario;
     study::margins::StudyOptions options;
     study::margins::SearchOptions search;
-    bool check = false;                        ///< no search: the shipped gains are judged, nothing is written
-    std::filesystem::path out;                 ///< gets slip.toml
-    std::vector<std::filesystem::path> write;  ///< controller files that get the gains
-    std::string json_file;                     ///< "-": standard output is not for tables
+    bool check = false;                        ///< judges the shipped gains without search or output files
+    std::filesystem::path out;                 ///< directory of slip.toml
+    std::vector<std::filesystem::path> write;  ///< controller files to which the gains are written
+    std::string json_file;                     ///< "-": no tables on standard output
 };
 
-/// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked.
+/// Prints its results and adds them to `json`. Returns the exit status: 0; with `check` 1 if the stops with the shipped gains miss the requirement.
 [[nodiscard]] int tune_law(const LawTuning& tuning, const study::margins::MarginsInput& input, settings::Json& json);
 
 }  // namespace plant_sim::lab

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <exception>
@@ -20,7 +19,7 @@ int run_parsed(std::span<const LabVerb> verbs) {
     return 2;
 }
 
-void keep_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text) {
+void write_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text) {
     settings::write_file(file, text);
     settings::deliver(json_file, text);
     if (json_file == "-") fmt::print(stderr, "rig-lab: written to {}\n", file.parent_path().string());

@@ -65,7 +65,7 @@ struct DynamicsCommand {
                                                                                   files.config / "flywheel_rig.toml"}),
                                 hash_of(classes)};
         print_table(json_file, "{}", to_text(classes));
-        keep_json(out / "dynamics.json", json_file, to_json(classes, head));
+        write_json(out / "dynamics.json", json_file, to_json(classes, head));
         settings::deliver((out / "friction_curves.toml").string(), to_toml(classes, head));
         if (pictures) draw_dynamics(classes, settings, out / "dynamics.png");
         print_table(json_file,

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -61,7 +60,7 @@ struct FitCommand {
                     wear::origin_phrase(model.data.origin), model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
         if (fit.best().components == settings.max_components && settings.max_components > 1)
             print_table(json_file, "The best order is the most components allowed: a better one may lie beyond.\n");
-        keep_json(out / "model.json", json_file, wear::to_json(model));
+        write_json(out / "model.json", json_file, wear::to_json(model));
         settings::deliver((out / "campaign.csv").string(), wear::to_csv(data));
         if (pictures) {
             draw_campaign(data, model, out / "campaign.png");

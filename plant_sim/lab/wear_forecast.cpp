@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -41,10 +40,10 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
         table.add(kNames.at(q), landings(f.landings_left.at(q)), f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
     text += fmt::format("Landings left, {:.3f} MJ each on average:\n{}", energy_J * 1e-6, table.text());
     constexpr double kDoubtful = 0.5;
-    if (f.alike < kDoubtful)
+    if (f.population_probability < kDoubtful)
         text += fmt::format(
             "This brake does not go as those did (of their kind with a probability of {:.0f} %): it is given their lives, and little else.\n",
-            100.0 * f.alike);
+            100.0 * f.population_probability);
     if (f.crossed_ever < 1.0)
         fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
                        f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
@@ -86,7 +85,7 @@ struct ForecastCommand {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
         print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix));
-        keep_json(out / "forecast.json", json_file, answer.json.dump(2) + "\n");
+        write_json(out / "forecast.json", json_file, answer.json.dump(2) + "\n");
         if (pictures) draw_forecast(recorded, answer.forecast, resolved.settings.limit, out / "forecast.png");
         print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
         return 0;
@@ -131,7 +130,7 @@ struct ForecastCommand {
         Json json = wear::json_head(resolved, file);
         json["brakes"] = brakes.size();
         json["rows"] = std::move(rows);
-        keep_json(out / "back_test.json", json_file, json.dump(2) + "\n");
+        write_json(out / "back_test.json", json_file, json.dump(2) + "\n");
         print_table(json_file, "Written to {}: back_test.json\n", out.string());
         const double pooled = t.pooled.coverage();
         return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "firmware/host/settings/progress.hpp"
@@ -35,7 +34,7 @@ struct PopulationCommand {
                     "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden, {:.2f} glazing\n",
                     p.provenance.sentence(), std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered, p.scatter.memory,
                     p.spread.offset, p.scatter.drift_per_root_MJ, p.spread.log_energy_scale, p.limits.gradual, p.limits.sudden, p.limits.glazing);
-        keep_json(out / "population.json", json_file, wear::to_json(p));
+        write_json(out / "population.json", json_file, wear::to_json(p));
         print_table(json_file, "Written to {}: population.json\n", out.string());
         return 0;
     }

@@ -1,7 +1,5 @@
 #include "plant_sim/model/brake.hpp"
 
-#include <algorithm>
-
 namespace plant {
 
 BrakeTorque::BrakeTorque(const rig::BrakeGeometry& geometry, const rig::FrictionCurve& curve, double mean_friction, double brake_on_mps)

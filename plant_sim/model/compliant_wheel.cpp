@@ -17,7 +17,7 @@ constexpr double kSlowest_mps = Wheel::kSlowest_mps;
 double value_of(double number) {
     return number;
 }
-/// mu and its slope, with the derivatives that the slip carries.
+/// mu and its slope with their derivatives by the slip.
 void friction_at(const rig::FrictionLaw& law, double slip, double& mu, double& mu_1) {
     const rig::Friction f = rig::friction(law, slip);
     mu = f.mu;
@@ -33,8 +33,8 @@ void friction_at(const rig::FrictionLaw& law, const Eigen::AutoDiffScalar<Deriva
     const rig::Friction f = rig::friction(law, slip.value());
     // mu_1 = c1 c2 exp(-c2 |lambda|) - c3: its own slope is -c2 (mu_1 + c3), odd in lambda.
     const double mu_2 = std::copysign(law.c2 * (f.mu_1 + law.c3), -slip.value());
-    // Under a locked rim the belt swings to slips where eq. (4) is below zero; friction() gives its magnitude, which rises again. With the
-    // other sign here the method has order two at best, and takes a hundred steps for one.
+    // Under a locked rim the belt oscillates at slips where eq. (4) is negative; friction() returns its magnitude, which increases again. With the
+    // other sign here the method has at most order two and needs a hundred times as many steps.
     const double slope = law.c3 * std::abs(slip.value()) > law.c1 ? -f.mu_1 : f.mu_1;
     mu = {f.mu, Derivatives(slope * slip.derivatives())};
     mu_1 = {f.mu_1, Derivatives(mu_2 * slip.derivatives())};
@@ -47,7 +47,7 @@ using Vector = Eigen::Matrix<Number, kParts, 1>;
 using Motion = Vector<double>;
 using Matrix = Eigen::Matrix<double, kParts, kParts>;
 
-/// What a step adds to the sums in WheelState, and the leg's.
+/// Increments of the sums in WheelState and of the leg's energy.
 struct Sums {
     double distance_m, angle_rad, brake_J, tyre_J, friction_m, leg_J;
 };
@@ -58,7 +58,7 @@ struct Contact {
     Number mu_1;  // of the curve over slip, before a wet runway scales it
 };
 
-/// The equations under one pressure and load, over x = t/h.
+/// The equations of motion for one pressure and load over x = t/h.
 class Equations {
   public:
     Equations(const CompliantLaw& law, const PressureArc& pressure, const LoadArc& load, double h)
@@ -83,7 +83,7 @@ class Equations {
         return c;
     }
 
-    /// By which the carcass drives the belt and holds the rim.
+    /// Torque by which the carcass drives the belt and holds the rim.
     template <typename Number>
     Number carcass_Nm(const Vector<Number>& y) const {
         return law_.twist_Nmprad * y[kTwist] + law_.twist_Nms * (y[kRim] - y[kBelt]);
@@ -162,7 +162,7 @@ class Equations {
                                                  {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
                                                  {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054}};
 
-        // Derivatives by the state, and by x: pressure and load are explicit in time.
+        // Derivatives by the state and by x: pressure and load depend on time explicitly.
         using Dual = Eigen::AutoDiffScalar<Eigen::Matrix<double, kParts + 1, 1>>;
         Vector<Dual> at;
         for (int i = 0; i < kParts; ++i) at[i] = Dual(y[i], kParts + 1, i);
@@ -191,8 +191,8 @@ class Equations {
         for (int j = 0; j < kStages - 1; ++j) end += kA[kStages - 1][j] * u[j];
         end += u[kStages - 1];
 
-        // The last stage is the error of the method of order three. Each part on its own scale: speeds by that of rolling, twist by what the
-        // belt turns within its mode.
+        // The last stage is the error of the method of order three. Each part is relative to its own scale: speeds to that of rolling, the twist to
+        // the belt's rotation within its mode.
         const double v = std::max(y[kSpeed], 1.0);
         const double omega = v / law_.free_radius_m;
         Motion scale;
@@ -277,7 +277,7 @@ void CompliantWheel::settle(const WheelState& state) {
 void CompliantWheel::advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) {
     Equations equations(law_, pressure, load, h);
     Motion y = Eigen::Map<const Motion>(y_.data());
-    // What moved the wheel from outside since the last call (drive, drag) moved belt and axle as well.
+    // An external change of the wheel's speeds since the last call (drive, drag) also applies to belt and axle.
     y[kAxle] += state.v_mps - y[kSpeed];
     y[kBelt] += state.omega_radps - y[kRim];
     y[kSpeed] = state.v_mps;
@@ -297,7 +297,7 @@ void CompliantWheel::advance(WheelState& state, const PressureArc& pressure, con
             part_s_ = next;
             continue;
         }
-        // Where a turning rim comes to rest, or a held one is turned, within the step: there it ends.
+        // The step ends where a turning rim comes to rest, or a held one starts to turn.
         const auto passed = [&](const Motion& there, double x1) {
             return equations.held ? equations.holding_margin_Nm(there, x1) < 0.0 : there[kRim] < 0.0;
         };

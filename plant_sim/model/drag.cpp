@@ -1,6 +1,5 @@
 #include "plant_sim/model/drag.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace plant {

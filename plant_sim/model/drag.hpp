@@ -1,4 +1,4 @@
-/// What slows a flywheel down that nobody brakes: bearings and windage.
+/// Drag of a flywheel that is not braked: bearings and windage.
 #pragma once
 
 namespace plant {
@@ -15,7 +15,7 @@ struct CoastDown {
     double distance_m;
 };
 
-/// Closed form of m dv/dt = -bearing - windage v^2 from `v_mps` over `seconds`; at rest it stays at rest.
+/// Closed-form solution of m dv/dt = -bearing - windage v^2 after `seconds`, starting with `v_mps`; ends at rest.
 [[nodiscard]] CoastDown coast_down(const Drag& drag, double mass_kg, double v_mps, double seconds);
 
 }  // namespace plant

@@ -38,7 +38,7 @@ void Encoder::advance(double angle_rad, double before_radps, double after_radps,
     const double root = std::sqrt(std::max(after_radps * after_radps - 2.0 * acceleration * angle, 0.0));
     const double since = std::min(2.0 * angle / (after_radps + root), step_s);
     count_ += passed;
-    // No stamp comes before the last one, nor from the future.
+    // A stamp is neither before the previous one nor in the future.
     const double stamp = std::min(std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_), now_s);
     if (stamp > edge_time_s_) speed_radps_ = passed * rad_per_edge_ / (stamp - edge_time_s_);
     edge_time_s_ = stamp;

@@ -1,4 +1,4 @@
-/// A toothed magnetic encoder: counts edges, stamps the last one, goes blind when the wheel turns too slowly.
+/// A toothed magnetic encoder: counts edges and stamps the last one. It has no signal when the shaft turns too slowly.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,20 @@ class Encoder {
   public:
     explicit Encoder(const rig::EncoderParameters& parameters);
 
-    /// The shaft has turned to `angle_rad` at time `now_s`, at speed `before_radps` a `step_s` ago and
-    /// `after_radps` now. Angles must not fall.
+    /// Call once a step. `angle_rad`: angle of the shaft at `now_s`, which must not decrease. `before_radps`, `after_radps`: speed `step_s` before
+    /// `now_s`, and at `now_s`.
     void advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s, rig::Random& random);
 
     [[nodiscard]] std::uint32_t edge_count() const { return count_; }  ///< rolls over
-    [[nodiscard]] double edge_time_s() const { return edge_time_s_; }  ///< stamp of the last edge, jitter included
-    /// What electronics that report speed instead would say: edges over the time they took, and zero 100 ms
-    /// after the last one.
+    [[nodiscard]] double edge_time_s() const { return edge_time_s_; }  ///< time stamp of the last edge, with jitter
+    /// Speed as reported by electronics that send a speed instead of edges: edges over their time; 0 from 100 ms after the last edge.
     [[nodiscard]] double speed_radps(double now_s) const { return now_s - edge_time_s_ < 0.1 ? speed_radps_ : 0.0; }
 
   private:
     rig::EncoderParameters parameters_;
     double edges_per_rad_, rad_per_edge_;
-    std::vector<double> misplaced_rad_;  // of each tooth; none where all stand where they should
-    double next_edge_;                   // angle in edges at which the next one comes
+    std::vector<double> misplaced_rad_;  // error of each tooth's position; empty: no error
+    double next_edge_;                   // angle of the next edge, in edges
     std::uint32_t count_ = 0;
     double edge_time_s_ = 0.0;
     double speed_radps_ = 0.0;

@@ -9,7 +9,7 @@ namespace plant {
 namespace {
 
 constexpr double kNoTime_s = 1e-9;
-/// A cubic through value and rate at both ends misses a mode of the valve by amplitude (omega_n h)^4 / 384.
+/// Error of a cubic through value and rate at both ends for a mode of the valve: amplitude (omega_n h)^4 / 384.
 constexpr double kCubic = 384.0;
 constexpr double kArcError_Pa = 100.0;
 
@@ -63,7 +63,7 @@ double OpenLoop::pressure_Pa() const {
 
 bool OpenLoop::arc_holds(double h) const {
     if (input_ == Input::pressure) return true;
-    // What is left of the valve's transient, beyond its answer to the ramp.
+    // The rest of the valve's transient, without its response to the ramp.
     const rig::ValveParameters& valve = parameters_.valve;
     const double lag_s = 2.0 * valve.damping / valve.natural_frequency_radps;
     const double amplitude_Pa = std::abs(dynamics_.law_Pa() - input_Pa(time_s_) + lag_s * piece_slope_Paps_) +

@@ -24,9 +24,9 @@ Rig::Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed
     }
 }
 
-/// The surface under the wheel stays for a step: 6 cm at 61 m/s.
-void Rig::look_at_runway() {
-    // Halfway is far from both ends: a wheel that water lets go, or takes again, passes it quickly.
+/// The surface under the wheel is constant within a step: 6 cm at 61 m/s.
+void Rig::update_surface() {
+    // Halfway is far from both ends: a wheel that loses or regains contact in deep water passes it quickly.
     constexpr double kTurns = 0.5;
     const std::size_t patch = parameters_.runway.begun(runway_m());
     const bool spun_up = state_.omega_radps * parameters_.wheel.free_radius_m > kTurns * state_.v_mps;
@@ -94,8 +94,8 @@ void Rig::pass_idle(double seconds, const Drag& drag) {
     sense(0.0, before, time);
 }
 
-/// Uniform acceleration over the coming step. What the integrator will add to distance and angle at the speeds after it is taken back, so
-/// that both are those of the mean speed.
+/// Applies a uniform acceleration over the next step. The excess distance and angle that the integrator will add with the changed speeds is
+/// subtracted, so that both correspond to the mean speed.
 void Rig::push() {
     const double v0 = state_.v_mps;
     const double omega0 = state_.omega_radps;
@@ -160,7 +160,7 @@ Rig::Step Rig::begin(double start_mA, double end_mA) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
     if (pushed_) push();
-    look_at_runway();
+    update_surface();
     const double start_Pa = parameters_.pressure_map.pressure_Pa(play_.follow(start_mA));
     const double end_Pa = end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(play_.follow(end_mA));
     const Valve::Arcs arcs = valve_.advance(start_Pa, end_Pa);
@@ -183,7 +183,7 @@ void Rig::advance_pressure(std::span<const PressurePart> parts) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
     if (pushed_) push();
-    look_at_runway();
+    update_surface();
     for (const PressurePart& part : parts) {
         const double h = part.share * step_s_;
         move(PressureArc::linear(part.start_Pa, part.end_Pa), load_arc(h), h);

@@ -1,9 +1,8 @@
-/// The plant as one object: valve, brake, wheel, load and sensors on one fixed time step. A landing gear or a
-/// flywheel rig, by parameters.
+/// The plant: valve, brake, wheel, load and sensors with one fixed time step. The parameters make it a landing gear or a flywheel rig.
 ///
-/// In the air the wheel carries no load and the speed stays; `touch_down` puts the wheel on the runway or the
-/// flywheel, at rest, and the spin-up follows from the same equations. Everything random is drawn from the
-/// seed given at construction.
+/// Without contact the wheel carries no load and the speed v stays constant. touch_down() puts the wheel, at rest, on the runway or the flywheel; its
+/// spin-up follows from the same equations. All noise and scatter are drawn from the seed given to the constructor: the same seed and calls give the
+/// same bits.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +12,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "plant_sim/model/brake.hpp"
 #include "plant_sim/model/compliant_wheel.hpp"
@@ -32,60 +30,59 @@ inline double reading_Pa(const rig::TransducerParameters& transducer, double pre
     return std::clamp(reading, 0.0, transducer.range_Pa);
 }
 
-/// What acts on the rig beside brake and tyre.
+/// External forces beside brake and tyre.
 struct OutsideForces {
-    double drive_N = 0.0;        ///< of the flywheel's drive, at the rim, >= 0
+    double drive_N = 0.0;        ///< of the flywheel's drive, at the rim, >= 0; accelerates
     double drag_N = 0.0;         ///< of the flywheel's bearings and windage, at the rim, >= 0
     double wheel_drag_Nm = 0.0;  ///< of the wheel's bearing and the discs of its released brake, >= 0
 };
 
 class Rig {
   public:
-    /// `step_s`: 1e-4 to 5e-3.
+    /// `step_s`: length of every step, 1e-4 to 5e-3. Throws std::invalid_argument for a valve, brake, tyre or leg that cannot be.
     Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed);
 
     void touch_down() {
         contact_ = true;
         begin_runway();
     }
-    /// The wheel is on the ground, loaded and rolling freely: the state in which a recorded braking maneuver begins.
+    /// Puts the wheel on the ground, loaded and rolling freely: the initial state of a recorded braking maneuver.
     void start_rolling();
-    /// Wheel at rest off the rim; the flywheel too, the state before a first spin-up, or turning already.
+    /// Puts the wheel at rest off the rim; the flywheel turns with `rim_mps`, 0 before a first spin-up.
     void start_at_rest(double rim_mps = 0.0);
-    /// The pressure at the start of a prescribed profile.
+    /// Sets the initial pressure of a prescribed profile.
     void start_pressure(double pressure_Pa) { pressure_Pa_ = pressure_Pa; }
-    /// Takes the load off again: a bounce, or the sledge retracting.
+    /// Removes the load: a bounce, or the sledge retracts.
     void lift_off() { contact_ = false; }
 
-    /// Acts over every step from here on, as uniform acceleration ahead of it: exact for a wheel off the rim. With the wheel on the rim the
-    /// splitting is of first order in the step, so keep them small against the brake there.
+    /// Sets the external forces for all following steps. Each step applies them first, as uniform acceleration: exact for a wheel off the rim. With
+    /// the wheel on the rim the splitting is of first order in the step, so the forces should be small against the brake's.
     void set_outside_forces(const OutsideForces& forces) {
         outside_ = forces;
         pushed_ = forces.drive_N != 0.0 || forces.drag_N != 0.0 || forces.wheel_drag_Nm != 0.0;
     }
-    /// Another law of the load; the lag stays, and so does the force that the device holds now.
+    /// Replaces the load's dependence on speed, base_N - lift v^2. The loading device keeps its lag and its present force.
     void set_load(double base_N, double lift_Ns2pm2);
-    /// Another state of the brake for the next maneuver. Throws std::invalid_argument where the friction curve would fall to zero.
+    /// Replaces the brake's friction for the next maneuver. Throws std::invalid_argument if its friction curve would fall to zero.
     void set_brake(double mean_friction, double brake_on_mps);
 
-    /// Whether nothing but the flywheel moves: wheel off the rim and at rest, no pressure, no drive.
+    /// Whether only the flywheel can move: wheel off the rim and at rest, no pressure, no drive.
     [[nodiscard]] bool idle() const;
-    /// Where idle(): that much time at once, a whole number of steps; the flywheel coasts down in closed form.
+    /// Only if idle(): advances by `seconds`, a whole number of steps, at once. The flywheel coasts down in closed form.
     void pass_idle(double seconds, const Drag& drag);
 
-    /// One step with a valve current that is held.
+    /// Advances by one step with a constant valve current.
     void advance_current(double current_mA) { advance_current(current_mA, current_mA); }
-    /// One step with a valve current that is linear in time.
+    /// Advances by one step with a valve current that is linear in time.
     void advance_current(double start_mA, double end_mA);
-    /// One step with a prescribed brake pressure, linear in time: the valve is bypassed (feed-forward
-    /// validation, Section III.C).
+    /// Advances by one step with a prescribed brake pressure that is linear in time; the valve is bypassed (feed-forward validation, Section III.C).
     void advance_pressure(double start_Pa, double end_Pa) {
         const PressurePart whole{1.0, start_Pa, end_Pa};
         advance_pressure({&whole, 1});
     }
-    /// The same with a pressure that is linear piece by piece.
+    /// One piece of a pressure that is piecewise linear in time.
     struct PressurePart {
-        double share;  ///< of the step, above 0; all add up to 1
+        double share;  ///< of the step, > 0; the shares of all pieces add up to 1
         double start_Pa, end_Pa;
     };
     void advance_pressure(std::span<const PressurePart> parts);
@@ -95,30 +92,30 @@ class Rig {
     [[nodiscard]] double pressure_Pa() const { return pressure_Pa_; }  ///< true pressure at the brake
     [[nodiscard]] Forces forces() const;
     [[nodiscard]] bool standstill() const { return state_.v_mps <= Wheel::kSlowest_mps; }
-    /// Of aircraft or flywheel and of the wheel, and what the springs of tyre and leg hold.
+    /// m v^2 / 2 + J omega^2 / 2, and the energy in the springs of tyre and leg.
     [[nodiscard]] double kinetic_energy_J() const { return compliant_ ? compliant_->energy_J(state_) : dynamics_.kinetic_energy_J(state_); }
-    /// What the gear leg's damper has taken since the start.
+    /// Energy taken by the damper of the gear leg since the start.
     [[nodiscard]] double energy_leg_J() const { return compliant_ ? compliant_->energy_leg_J() : 0.0; }
-    /// Along the runway, from where its patches count.
+    /// Distance along the runway, from the origin of its patches.
     [[nodiscard]] double runway_m() const { return state_.distance_m - runway_began_m_; }
-    /// Under the wheel now.
+    /// The surface under the wheel.
     [[nodiscard]] const rig::Surface& surface() const { return patch_ == 0 ? parameters_.surface : parameters_.runway.patches[patch_ - 1].surface; }
-    /// What drive and drag have done since the start; kinetic energy + brake + tyre + leg + drag - drive stays what it was.
+    /// Work of drive and drag since the start. Kinetic energy + brake + tyre + leg + drag - drive is constant.
     [[nodiscard]] double energy_drive_J() const { return energy_drive_J_; }
     [[nodiscard]] double energy_drag_J() const { return energy_drag_J_; }
     [[nodiscard]] const rig::RigParameters& parameters() const { return parameters_; }
 
-    // What the sensors say now.
+    // Sensor readings of the newest step.
     [[nodiscard]] const Encoder& wheel_encoder() const { return wheel_encoder_; }
     [[nodiscard]] const Encoder& flywheel_encoder() const { return flywheel_encoder_; }
     [[nodiscard]] double measured_pressure_Pa() const { return measured_pressure_Pa_; }
 
   private:
     friend class RigLanes;
-    /// Whether the wheel can be computed beside others.
+    /// Whether RigLanes can compute this wheel beside others.
     [[nodiscard]] bool plain() const { return !compliant_ && parameters_.runway.patches.empty(); }
 
-    /// A step under way: valve and load have moved, the wheel has not yet.
+    /// An unfinished step: valve and load are advanced, the wheel is not.
     struct Step {
         double wheel_before_radps = 0.0, flywheel_before_mps = 0.0;
         PressureArc pressure;
@@ -134,12 +131,12 @@ class Rig {
     void begin_runway() {
         if (parameters_.runway.from_touchdown) runway_began_m_ = state_.distance_m;
     }
-    void look_at_runway();
+    void update_surface();
     void sense(double wheel_before, double flywheel_before, double since_s);
 
     rig::RigParameters parameters_;
     Wheel dynamics_;
-    std::optional<CompliantWheel> compliant_;  // instead of dynamics_, also where friction depends on speed
+    std::optional<CompliantWheel> compliant_;  // used instead of dynamics_ for compliant parts, and where friction depends on speed
     Play play_;
     Valve valve_;
     Encoder wheel_encoder_;
@@ -148,7 +145,7 @@ class Rig {
     double step_s_;
     std::uint64_t steps_ = 0;
     WheelState state_;
-    std::size_t patch_ = 0;  // of the runway, counted from 1; 0: before the first
+    std::size_t patch_ = 0;  // of the runway, counted from 1; 0: not yet on the first
     bool spun_up_ = true;
     double runway_began_m_ = 0.0;
     bool contact_ = false;
@@ -156,10 +153,10 @@ class Rig {
     struct Decay {
         double h_s, factor;
     };
-    std::array<Decay, 2> decays_{};  // of the device over the lengths that a step is cut into
+    std::array<Decay, 2> decays_{};  // of the device, for the lengths of partial steps
     std::size_t oldest_decay_ = 0;
     OutsideForces outside_;
-    bool pushed_ = false;  // any of them
+    bool pushed_ = false;  // some outside force is not 0
     double energy_drive_J_ = 0.0;
     double energy_drag_J_ = 0.0;
     double pressure_Pa_ = 0.0;

@@ -1,6 +1,5 @@
 #include "plant_sim/model/valve.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
@@ -9,7 +8,7 @@ namespace plant {
 
 namespace {
 
-/// The brake's row of the matrix exponential: pressure, rate, brake, input and its slope as one system.
+/// Adds the brake's row of the matrix exponential; pressure, rate, brake, input and its slope are one system.
 void add_line(const rig::ValveParameters& parameters, double h, ValveDynamics::Transition& t) {
     const double w = parameters.natural_frequency_radps;
     const double per_line = 1.0 / parameters.line_s;
@@ -57,8 +56,7 @@ ValveDynamics::Transition ValveDynamics::transition(const rig::ValveParameters& 
 Valve::Valve(const rig::ValveParameters& parameters, double step_s) : step_s_(step_s) {
     if (!(parameters.damping > 0.0 && parameters.damping < 1.0)) throw std::invalid_argument("valve damping must lie between 0 and 1");
     if (!(parameters.line_s >= 0.0)) throw std::invalid_argument("a valve's line has no lag below zero");
-    // The delay in whole steps and a rest: a command given at a step's start acts `first_s_` into a later
-    // step.
+    // Splits the delay into whole steps and a rest: a command given at a step's start acts `first_s_` after the start of a later step.
     constexpr double kRounding = 1e-9;
     const double steps = parameters.delay_s / step_s;
     double whole = std::floor(steps + kRounding);
@@ -86,8 +84,7 @@ PressureArc ValveDynamics::advance(const Transition& t, double u0, double u1, do
 Valve::Arcs Valve::advance(double start_Pa, double end_Pa) {
     const std::size_t size = delay_line_.size();
     delay_line_[next_] = {start_Pa, end_Pa};
-    // With n whole steps of delay the newest entry acts n calls later; the one before it fills the cut-off
-    // start of the step.
+    // With n whole steps of delay the newest entry acts n calls later; the entry before it acts in the first part of the step.
     const Ramp& acting = delay_line_[(next_ + 2) % size];
     const Ramp& before = delay_line_[(next_ + 1) % size];
     next_ = (next_ + 1) % size;

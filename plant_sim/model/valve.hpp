@@ -1,4 +1,4 @@
-/// The pressure valve, eq. (6): static current-to-pressure map, transport delay, second-order dynamics; and the line to the brake.
+/// The pressure valve, eq. (6): static map from current to pressure, transport delay, second-order dynamics; and the hydraulic line to the brake.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,14 @@
 
 namespace plant {
 
-/// Hysteresis of the static map as play: the current in effect follows the commanded one only at the edges of a band of this width, so
-/// that the branch of rising current lies half a width to the right of the map and the falling one half a width to the left. Width 0: no
-/// play, to the last bit.
+/// Hysteresis of the static map, as mechanical play: the effective current changes only while the commanded one is at an edge of a band of this
+/// width. The branch of rising current therefore lies half a width right of the map, the falling one half a width left. Width 0: exactly no
+/// hysteresis.
 class Play {
   public:
     explicit Play(double width_mA) : half_mA_(0.5 * width_mA) {}
 
-    /// The current in effect after the commanded one has gone to `current_mA` without turning.
+    /// Takes the commanded current, which has changed monotonically since the last call; returns the effective current, mA.
     double follow(double current_mA) {
         effect_mA_ = std::clamp(effect_mA_, current_mA - half_mA_, current_mA + half_mA_);
         return effect_mA_;
@@ -26,25 +26,25 @@ class Play {
     double effect_mA_ = 0.0;
 };
 
-/// Eq. (6) without its delay, and the line behind it, solved exactly for a static pressure that is linear in time.
+/// Eq. (6) without its delay, followed by the line; exact for a static pressure that is linear in time.
 class ValveDynamics {
   public:
-    /// Over one step: state and an input from u0 to u1.
+    /// Coefficients of one step; the input, static pressure, goes from u0 to u1.
     struct Transition {
-        double pp, pr, pu0, pu1;  // new pressure from pressure, rate, u0, u1
+        double pp, pr, pu0, pu1;  // new pressure by old pressure, old rate, u0, u1
         double rp, rr, ru0, ru1;  // new rate
         double per_line = 0.0;    // 1 / line_s; 0: no line
         double bb = 0.0, bp = 0.0, br = 0.0, bu0 = 0.0,
-               bu1 = 0.0;  // new pressure at the brake, from that before and the others
+               bu1 = 0.0;  // new pressure at the brake, from its old value and the others
     };
     [[nodiscard]] static Transition transition(const rig::ValveParameters& parameters, double h);
 
-    /// One step of the `h` that `transition` was made for.
+    /// Advances by one step of length `h`, the one that `transition` was computed for; returns the pressure at the brake over the step.
     PressureArc advance(const Transition& transition, double u0, double u1, double h);
 
-    [[nodiscard]] double law_Pa() const { return pressure_; }  ///< of eq. (6); may undershoot zero
+    [[nodiscard]] double law_Pa() const { return pressure_; }  ///< state of eq. (6); may be slightly negative
     [[nodiscard]] double rate_Paps() const { return rate_; }
-    [[nodiscard]] double brake_Pa() const { return brake_; }  ///< at the line's end
+    [[nodiscard]] double brake_Pa() const { return brake_; }  ///< at the end of the line
 
   private:
     double pressure_ = 0.0;
@@ -52,15 +52,14 @@ class ValveDynamics {
     double brake_ = 0.0;
 };
 
-/// Eq. (6) and the line on a fixed step.
+/// Eq. (6) and the line with a fixed step.
 class Valve {
   public:
     /// `step_s`: the fixed time between calls of `advance`.
     Valve(const rig::ValveParameters& parameters, double step_s);
 
-    /// One step in which the static pressure before the delay goes linearly from `start_Pa` to `end_Pa`
-    /// (equal for a held command). The delay cuts the step in two where it is no multiple of it: `first`
-    /// lasts `first_s()`, `second` the rest; `first` is unused when `first_s()` is 0.
+    /// Pressure over one step, cut in two where the delay is no multiple of the step: `first` lasts first_s() and is unused if that is 0, `second`
+    /// lasts the rest.
     struct Arcs {
         PressureArc first;
         PressureArc second;
@@ -70,7 +69,7 @@ class Valve {
     [[nodiscard]] double first_s() const { return first_s_; }
     [[nodiscard]] double second_s() const { return second_s_; }
 
-    /// What a gauge at the brake reads: never below zero.
+    /// Pressure at the brake, >= 0.
     [[nodiscard]] double pressure_Pa() const { return std::max(dynamics_.brake_Pa(), 0.0); }
 
   private:

@@ -60,7 +60,7 @@ double Wheel::holding_margin_Nm(const WheelState& state, double pressure, const 
 }
 
 void Wheel::slide(WheelState& state, const LoadArc& load, double h) const {
-    // Slip is 1 and mu constant: v_dot depends on F_z(v) alone, mildly. Classic fourth-order Runge-Kutta is exact to rounding.
+    // Slip is 1 and mu constant, so that v_dot depends only on F_z(v), weakly. Classic fourth-order Runge-Kutta is exact to rounding.
     const double mu = rig::friction(law_.tyre, 1.0).mu;
     const auto v_dot = [&](double v, double x) { return -mu * load.force_N(x, v) * law_.per_mass; };
     const double v0 = state.v_mps;
@@ -94,7 +94,7 @@ double Wheel::lock(WheelState& state, const PressureArc& pressure, const LoadArc
         (step.end.omega > 0.0 ? lo : hi) = x;
     }
     move(state, step);
-    // What is left of the wheel's energy is rounding.
+    // The remaining energy of the wheel is a rounding error.
     state.omega_radps = 0.0;
     state.held = true;
     return hi;
@@ -147,7 +147,7 @@ bool Wheel::take(WheelState& state, const Step& step) {
 void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) {
     constexpr double kSmallest = 1.0 / 16384.0;
     constexpr double kNoTime = 1e-9;
-    constexpr int kMaxParts = 4096;  // keeps chatter between turning and held finite
+    constexpr int kMaxParts = 4096;  // limits the alternation between turning and held
     double x = 0.0;
     double part = 1.0;
     for (int i = 0; i < kMaxParts && 1.0 - x > kNoTime && state.v_mps > kSlowest_mps; ++i) {

@@ -1,11 +1,10 @@
-/// What acts on the wheel over one step: brake pressure and vertical load as functions of x = t/h in [0, 1].
+/// Inputs of the wheel over one step, as functions of x = t/h in [0, 1]: brake pressure and vertical load.
 #pragma once
 
 namespace plant {
 
-/// Brake pressure over one step of length h as a cubic in x = t/h in [0, 1], never negative where it is used.
-/// Exact for a linear profile; for the valve of eq. (6) at 1 ms the cubic through value and rate at both ends
-/// is within 1e-6.
+/// Brake pressure over one step of length h: a cubic in x, cut off at 0. Exact for a linear profile. For the valve of eq. (6) with steps of 1 ms, the
+/// cubic through value and rate at both ends has an error within 1e-6.
 struct PressureArc {
     double c0 = 0.0, c1 = 0.0, c2 = 0.0, c3 = 0.0;
 
@@ -20,9 +19,9 @@ struct PressureArc {
         const double p = c0 + x * (c1 + x * (c2 + x * c3));
         return p > 0.0 ? p : 0.0;
     }
-    /// dp/dx; nothing where the pressure is held at zero.
+    /// dp/dx; 0 where the pressure is cut off.
     [[nodiscard]] double slope(double x) const { return c0 + x * (c1 + x * (c2 + x * c3)) < 0.0 ? 0.0 : c1 + x * (2.0 * c2 + x * 3.0 * c3); }
-    /// The part of the arc between x0 and x1, again over [0, 1].
+    /// The part of the arc between x0 and x1, scaled to [0, 1].
     [[nodiscard]] PressureArc part(double x0, double x1) const;
 };
 

@@ -1,4 +1,4 @@
-/// Several wheels side by side: one step of each at once, in vector code where the processor has it. Bit by bit what Wheel does.
+/// One step of several wheels at once, in vector code if the processor has it. The results have the same bits as those of Wheel.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace plant {
 
-/// A struct of doubles for each of several lanes, stored member by member, as vector code reads it.
+/// A struct of doubles for each of several lanes, stored member by member as vector code needs it.
 template <typename Struct, std::size_t kLanes>
 class Lanes {
   public:
@@ -43,7 +43,7 @@ class Lanes {
 struct WheelLanes {
     static constexpr std::size_t kLanes = 8;
 
-    /// What a step starts from.
+    /// Initial state and inputs of a step.
     struct Input {
         double v_mps = 0.0, omega_radps = 0.0;
         PressureArc pressure;
@@ -55,13 +55,13 @@ struct WheelLanes {
     Lanes<Input, kLanes> inputs;
     Lanes<wheel_step::Step, kLanes> steps;
 
-    /// What the vector code is made of; 64-bit x86 has `baseline` always. The bits of the results do not depend on it.
+    /// Instruction sets for the vector code; 64-bit x86 always has `baseline`. The results' bits do not depend on the set.
     enum class Instructions { baseline, avx2, avx512 };
     [[nodiscard]] static bool has(Instructions instructions);
 
-    /// From inputs to steps, with the widest that this machine has.
+    /// Computes `steps` from `inputs` with the widest instructions of this machine.
     void turn();
-    /// With instructions that it has().
+    /// The same with `instructions`, which has() must confirm.
     void turn(Instructions instructions);
 };
 

@@ -1,5 +1,5 @@
-/// One step of the wheel's integrator as arithmetic without branches, calls or memory: the same text serves one wheel (Wheel) and a loop
-/// over several side by side, which compilers turn into vector code (WheelLanes). Both give the same bits.
+/// One step of the wheel's integrator, as arithmetic without branches, calls or stores. Wheel uses it for one wheel, WheelLanes in a loop over
+/// several, which compilers turn into vector code. Both get the same bits.
 ///
 /// The method is ROS3 (Sandu et al., Atmospheric Environment 31, 1997, p. 3459): Rosenbrock, L-stable, order three, two evaluations.
 #pragma once
@@ -14,24 +14,24 @@
 
 namespace plant::wheel_step {
 
-/// Slip divides by max(v, kSlowest_mps).
+/// Slip is computed with max(v, kSlowest_mps) as divisor.
 inline constexpr double kSlowest_mps = 0.05;
 
-/// The numbers of one wheel on one surface.
+/// Parameters of one wheel on one surface.
 struct Law {
     double mass_kg = 0.0, per_mass = 0.0, per_inertia = 0.0, per_stiffness = 0.0, free_radius_m = 0.0;
     rig::FrictionLaw tyre;
     BrakeTorque brake;
 };
 
-/// Everything at one instant that does not depend on pressure: first what it follows from, then forces, then partial derivatives.
+/// An evaluation at one instant, of all that does not depend on pressure: inputs, forces, partial derivatives.
 struct Instant {
     double v = -1.0, omega = 0.0, base_N = 0.0, load_slope = 0.0, lift = 0.0;
     double per_v = 0.0, F_z = 0.0, r = 0.0, slip = 0.0, mu = 0.0, mu_1 = 0.0, F_x = 0.0, k_b = 0.0, k_b1 = 0.0, v_dot = 0.0;
     double r_1 = 0.0, r_t = 0.0, slip_v = 0.0, slip_omega = 0.0, slip_t = 0.0, F_v = 0.0, F_omega = 0.0, F_t = 0.0;
 };
 
-/// The part of the Jacobian that pressure enters, and what the quadratures integrate with its total rates.
+/// Elements of the Jacobian that depend on pressure, and the integrands of the sums with their total derivatives by time.
 struct Rates {
     double omega_dot, omega_ddot;
     double a21, t2;  // partial derivatives of omega_dot by v and by time
@@ -39,7 +39,7 @@ struct Rates {
     double brake_rate, tyre_rate, friction_rate;
 };
 
-/// What a step adds to the sums in WheelState.
+/// Increments of the sums in WheelState.
 struct Sums {
     double distance_m = 0.0, angle_rad = 0.0, energy_brake_J = 0.0, energy_tyre_J = 0.0, friction_distance_m = 0.0;
 };
@@ -47,7 +47,7 @@ struct Sums {
 struct Step {
     Instant end;
     Sums sums;
-    double error = 0.0;  ///< of omega, as a share of free rolling; infinite where the wheel may have turned backwards within
+    double error = 0.0;  ///< of omega, relative to free rolling; infinite if the wheel may have turned backwards within the step
 };
 
 [[gnu::always_inline]] inline Instant instant(const Law& law, double v, double omega, double base_N, double load_slope, double lift) {
@@ -64,7 +64,7 @@ struct Step {
     const double r_1 = -F_z1 * law.per_stiffness;
     const double slip_v = (1.0 - (v > kSlowest_mps ? slip : 0.0) - omega * r_1) * per_v;
     const double slip_omega = -r * per_v;
-    // A load that drifts changes force and radius: both explicit in time.
+    // The rate of the load changes force and radius, which makes both depend on time explicitly.
     const double r_t = -load_slope * law.per_stiffness;
     const double slip_t = -omega * r_t * per_v;
     return {.v = v,
@@ -132,7 +132,7 @@ struct Step {
     const double mid_Pa = pressure.at(kGamma);
     const double mid_N = load.base_at(kGamma);
 
-    // (I / (gamma h) - A) u = rhs, two by two, factored once for the three stages.
+    // (I / (gamma h) - A) u = rhs, two by two; factored once for the three stages.
     const double diagonal = per_h / kGamma;
     const double a12 = -start.F_omega * law.per_mass;
     const double b11 = diagonal + start.F_v * law.per_mass;
@@ -152,7 +152,7 @@ struct Step {
         return Stage{-F_x * law.per_mass, (r * F_x - law.brake.gain(v).k_b * mid_Pa) * law.per_inertia};
     };
 
-    // The second evaluation serves the third stage too.
+    // The third stage uses the second evaluation, too.
     const double t1 = -start.F_t * law.per_mass;
     const Stage u1 = solve(start.v_dot + kGamma * h * t1, d0.omega_dot + kGamma * h * d0.t2);
     const Stage f2 = derivatives(start.v + u1.v, start.omega + u1.omega);
@@ -163,7 +163,7 @@ struct Step {
                                 load.base_at(1.0), start.load_slope, load.lift_Ns2pm2);
     const Rates d1 = rates(law, end, pressure.at(1.0), pressure.slope(1.0) * per_h);
 
-    // Quadratures by the trapezoidal rule with its end correction, fourth order, from rates that are known anyway.
+    // Integrals by the trapezoidal rule with end correction, fourth order.
     const double half = 0.5 * h;
     const double twelfth = h * h * (1.0 / 12.0);
     const auto integral = [ half, twelfth ](double g0, double g1, double rate0, double rate1) __attribute__((always_inline)) {
@@ -175,19 +175,19 @@ struct Step {
                     .energy_tyre_J = integral(d0.tyre_W, d1.tyre_W, d0.tyre_rate, d1.tyre_rate),
                     .friction_distance_m = integral(d0.friction_mps, d1.friction_mps, d0.friction_rate, d1.friction_rate)};
 
-    // The same rule for omega: an error of its end value enters the mismatch times 1 - z/2 + z^2/12, z = h times the pole.
+    // The same rule for omega. An error of omega's end value enters the mismatch times 1 - z/2 + z^2/12, where z is h times the pole.
     const double mismatch = end.omega - start.omega - integral(d0.omega_dot, d1.omega_dot, d0.omega_ddot, d1.omega_ddot);
     const double z = h * end.r * end.F_omega * law.per_inertia;
     const double per_rolling = end.r * end.per_v;
     const double omega_error = mismatch / (1.0 - z * (0.5 - z * (1.0 / 12.0))) * per_rolling;
-    // Eq. (8) against eq. (9), of the wheel's energy in free rolling. The two estimates have no blind spot in common.
+    // Eq. (8) against eq. (9), relative to the wheel's energy in free rolling. Either estimate sees what the other misses.
     const double energy_error = 0.5 * law.mass_kg * law.per_inertia * (end.v - start.v) * (end.v + start.v) +
                                 0.5 * (end.omega - start.omega) * (end.omega + start.omega) +
                                 (sums.energy_brake_J + sums.energy_tyre_J) * law.per_inertia;
     const double error = std::max(std::abs(omega_error), std::abs(energy_error) * per_rolling * per_rolling);
 
-    // A wheel that comes to rest and leaves again within the step would turn backwards in between: a cubic dips below its ends by
-    // 4/27 of its slopes at the most. No `&&`: it would branch.
+    // A wheel that comes to rest and starts again within the step would turn backwards in between: a cubic falls below its ends by at most 4/27 of
+    // its slopes. No `&&`: it would branch.
     const double dip = 4.0 / 27.0 * h * (d1.omega_dot - d0.omega_dot);
     const double min = d0.omega_dot < 0.0 ? std::min(start.omega, end.omega) : dip;
     const bool backwards = (d1.omega_dot > 0.0 ? min : dip) < dip;

@@ -1,4 +1,4 @@
-/// From config/rig_machinery.toml to the options of a served rig.
+/// Reads the options of a served rig from config/rig_machinery.toml.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,10 @@ enum class Bench {
     endurance,  ///< Table III
 };
 
-/// The file in `directory`, e.g. for the hash of results.
+/// Path of the file in `directory`, e.g. for the hash of results.
 [[nodiscard]] std::filesystem::path machinery_file(const std::filesystem::path& directory);
 
-/// Machinery; everything else as ServedRigOptions has it. Throws settings::Error naming file, line and key.
+/// Reads the machinery; all other members have their defaults. Throws settings::Error naming file, line and key.
 [[nodiscard]] ServedRigOptions load_served_rig(const std::filesystem::path& directory, Bench bench);
 
 }  // namespace plc

@@ -74,7 +74,7 @@ void ServedRig::touch_down() {
     rig_.touch_down();
     const rig::RigParameters& p = rig_.parameters();
     const double friction = brake_ ? std::max(brake_->next_friction(), rig::min_mean_friction(p.friction_curve)) : p.mean_friction;
-    // m v and J omega / r are shared out until wheel and rim run alike.
+    // The momenta m v and J omega / r are exchanged until wheel and rim have the same speed.
     const double r = p.wheel.free_radius_m;
     const double share = p.wheel.inertia_kgm2 / (p.wheel.mass_kg * r * r);
     const plant::WheelState& now = rig_.wheel();
@@ -91,7 +91,7 @@ void ServedRig::lift_off() {
     accounted_J_ = energy_J;
 }
 
-void ServedRig::take_up(const wear::BrakeState& state) {
+void ServedRig::set_brake_state(const wear::BrakeState& state) {
     if (!brake_) throw std::invalid_argument("this rig has no brake that wears");
     *brake_ = wear::WearingBrake(brake_->wear(), brake_->rule(), state);
     accounted_J_ = rig_.wheel().energy_brake_J;

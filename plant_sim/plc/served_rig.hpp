@@ -1,19 +1,19 @@
-/// The whole rig as its users meet it: the plant of Rig, the machines around it, and the PLC that runs them. Any number of maneuvers, one
-/// after the other; the brake remembers. Behind CAN and Modbus it is `virtual-rig serve`; in process it is as fast as the plant.
+/// The complete rig: the plant, the machines around it, and the PLC that controls them. It runs any number of maneuvers; the brake keeps its wear.
+/// `virtual-rig serve` connects it to CAN and Modbus; in one process it is as fast as the plant.
 ///
-///     plc::ServedRig rig(loaded, plc::load_served_rig(config, loaded), seed);
+///     plc::ServedRig rig(loaded, plc::load_served_rig(config, plc::Bench::endurance), seed);
 ///     for (;;) {
 ///         rig.command(registers);                    // SI values of the holding registers, watchdog and commit among them
 ///         rig.advance(valve_current_mA);             // one period
 ///         use(rig.measured(), rig.sample());
 ///     }
 ///
-/// At the start everything is at rest (the flywheel turns where the options say so) and off, the brake at ambient temperature, the PLC ready. It
-/// scans every kScan_s: a command acts, and measured values change, at the next scan. Touchdown, where the sledge reaches its contact position,
-/// begins a maneuver for the brake: its mean friction is asked of it, and its curve over v begins at the rim speed that is left when the wheel has
-/// spun up. Lift-off ends the maneuver: the brake has taken its energy then.
+/// Initially all is off and at rest (the flywheel may turn, see the options), the brake is at ambient temperature, the PLC is ready. The PLC scans
+/// every kScan_s: commands take effect, and measured values change, at the next scan. For the brake, touchdown (the sledge reaches its contact
+/// position) starts a maneuver: the mean friction is computed from its state, and its curve over v starts at the rim speed at which the wheel has
+/// spun up. Lift-off ends the maneuver and adds its energy to the brake's.
 ///
-/// One object, one thread. Same seed, same calls: same values.
+/// For one thread. The same seed and calls give the same values.
 #pragma once
 
 #include <cstdint>
@@ -31,12 +31,12 @@ namespace plc {
 
 struct ServedRigOptions {
     Machinery machinery;
-    /// None: always the friction of the loaded rig. A brake that is worn out so far that its friction curve would fall to zero keeps
+    /// The brake in use; none: the friction is always that of the loaded rig. A brake so worn that its friction curve would fall to zero keeps
     /// rig::min_mean_friction().
     std::optional<wear::WearingBrake> brake{};
-    double period_s = 1e-3;    ///< of advance(), a whole multiple of 1 ms
-    double watchdog_s = 0.5;   ///< of the bridge, in rig time: the register map's
-    double map_version = 1.0;  ///< as measured
+    double period_s = 1e-3;    ///< of advance(), a multiple of 1 ms
+    double watchdog_s = 0.5;   ///< timeout of the bridge's watchdog in rig time, as in the register map
+    double map_version = 1.0;  ///< measured value of the register map's version
     double rim_mps = 0.0;      ///< of the flywheel at the start
 };
 
@@ -44,45 +44,45 @@ class ServedRig {
   public:
     static constexpr double kScan_s = 0.01;
 
-    /// Throws std::invalid_argument for a period that is no whole number of milliseconds.
+    /// Throws std::invalid_argument if the period is not a whole number of milliseconds.
     ServedRig(const rig::LoadedRig& loaded, ServedRigOptions options, std::uint64_t seed);
 
-    /// The holding registers as they stand now. Judged at the next scan, see VirtualPlc.
+    /// Sets the holding registers. They are judged at the next scan, see VirtualPlc.
     void command(const rig::CommandedValues& values) { commanded_ = values; }
-    /// Bit i forces rig::Interlock i open; 0: all as the machines are. Without hydraulics the supply reads no pressure, too; the sledge
-    /// goes back by its accumulator. The brake has a supply of its own.
+    /// Bit i forces rig::Interlock i open; 0: none is forced. Without hydraulics the supply pressure reads 0 and the sledge moves back by its
+    /// accumulator. The brake has a supply of its own.
     void open_interlocks(unsigned mask) { forced_open_ = mask; }
 
-    /// One period with the valve current held.
+    /// Advances by one period with a constant valve current.
     void advance(double valve_current_mA);
 
-    /// The brake as it is after maneuvers of another object, e.g. those of a ledger. Between two maneuvers only. Throws
-    /// std::invalid_argument as WearingBrake does, and where the rig has none.
-    void take_up(const wear::BrakeState& state);
+    /// Sets the brake's state after maneuvers that another object ran, e.g. those of a ledger. Only between two maneuvers. Throws
+    /// std::invalid_argument as WearingBrake does, and if the rig has no brake.
+    void set_brake_state(const wear::BrakeState& state);
 
-    /// Whether pass_idle() may be used: sledge back, wheel at rest, no pressure, drive and its orders off.
+    /// Whether pass_idle() may be used: sledge back, wheel at rest, no pressure, drive off and not commanded on.
     [[nodiscard]] bool idle() const;
-    /// Where idle(): `seconds` at once in closed form, whole periods of it, at no valve current; flywheel coasting, brake cooling. The
-    /// bridge is taken to have kept its watchdog moving; measured values are those at the end. Elsewhere nothing happens. Returns the time
-    /// that has passed.
+    /// Only if idle(), otherwise without effect: advances by the whole periods in `seconds` at once, in closed form, without valve current. The
+    /// flywheel coasts and the brake cools; the bridge's watchdog counts as alive; measured values are those of the end. Returns the time advanced,
+    /// s.
     double pass_idle(double seconds);
-    /// How long an idle rig needs to cool its brake to `to_C`; infinite where it never will.
+    /// Time that an idle rig needs to cool its brake to `to_C`; infinite if that is not above ambient.
     [[nodiscard]] double cooling_time_s(double to_C) const { return options_.machinery.thermal.cooling_time_s(temperature_C_, to_C); }
 
     [[nodiscard]] double time_s() const { return rig_.time_s(); }
     [[nodiscard]] const rig::MeasuredValues& measured() const { return measured_; }
-    /// Wheel, flywheel and pressure now; the rest is not the rig's to say.
+    /// Present wheel, flywheel and pressure; the other members are not set.
     [[nodiscard]] antiskid::can::RigSample sample() const;
 
-    // The truth behind the gauges.
+    // True values, without gauges.
     [[nodiscard]] const plant::Rig& rig() const { return rig_; }
     [[nodiscard]] const VirtualPlc& plc() const { return plc_; }
     [[nodiscard]] bool wheel_on_rim() const { return on_rim_; }
     [[nodiscard]] double sledge_m() const { return sledge_m_; }
     [[nodiscard]] double brake_temperature_C() const { return temperature_C_; }
-    /// Of the brake, what it took before this object included.
+    /// Energy of the brake, earlier use included.
     [[nodiscard]] double cumulative_energy_J() const { return (brake_ ? brake_->state().c_e_J : 0.0) + rig_.wheel().energy_brake_J - accounted_J_; }
-    /// After the last maneuver that ended.
+    /// State after the last finished maneuver.
     [[nodiscard]] const std::optional<wear::WearingBrake>& brake() const { return brake_; }
     [[nodiscard]] std::uint32_t maneuvers() const { return maneuvers_; }  ///< touchdowns so far
     [[nodiscard]] double mean_friction() const { return rig_.parameters().mean_friction; }

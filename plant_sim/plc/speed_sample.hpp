@@ -1,4 +1,4 @@
-/// From an encoder of the model to what its electronics put on the bus.
+/// Converts an encoder of the model to the sample that its electronics send.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace plc {
 
-/// Halves upwards, as llround does where `time_s` >= 0, but without a call.
+/// Nearest nanosecond; halves are rounded up, as llround does for `time_s` >= 0, but without a call.
 [[nodiscard]] inline antiskid::control::Time nearest_ns(double time_s) {
     const double ns = time_s * 1e9;
     const auto whole = static_cast<std::int64_t>(ns);

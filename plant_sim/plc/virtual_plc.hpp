@@ -1,18 +1,19 @@
-/// The PLC's program: takes commands over, watches interlocks and the bridge, trips. Pure: one scan is one call, time is handed in.
+/// The PLC's program: takes commands, monitors interlocks and the bridge, trips. Pure: each scan is a call that gets the time.
 ///
-/// Commands. A commit (a new value of the commit register, not 0) is taken over whole or refused whole; a refused one leaves the commands
-/// before it in force. Refused is, first reason first:
-///   value       an enable or reset that is neither 0 nor 1, a number that is not finite
-///   range       speed outside 0 to the drive's greatest; force or lift outside the loading device's range
-///   load_law    load enabled, but eq. (2) falls below zero at the set speed or at the rim's present one
-///   load_off_rim  load enabled without the sledge being sent to the rim
-///   drive_against_load  drive and load enabled at once: the drive never works against the loaded wheel
-///   tripped     anything enabled while tripped, with or without reset: a reset starts nothing, that takes a commit of its own
-///   interlock   reset while an interlock is open
-///   unsupervised  anything enabled while the bridge's watchdog does not move
-/// Everything else is allowed; above all the wheel may be brought to a turning flywheel, with the drive on or off, and to a resting one.
+/// Commands. A commit (a new value of the commit register, not 0) is applied or rejected as a whole; after a rejection the previous commands stay in
+/// force. The reason is the first of these that applies:
+///     value               an enable or reset that is neither 0 nor 1, a number that is not finite
+///     range               speed outside 0 to the drive's maximum; force or lift outside the loading device's range
+///     load_law            load enabled, but eq. (2) falls below zero at the commanded speed or at the rim's present one
+///     load_off_rim        load enabled without the sledge being sent to the rim
+///     drive_against_load  drive and load enabled at once: the drive must not work against the loaded wheel
+///     tripped             anything enabled while tripped, also together with a reset: after it a further commit is needed
+///     interlock           reset while an interlock is open
+///     unsupervised        anything enabled while the bridge's watchdog does not count
+/// All else is allowed; in particular the wheel may be brought to a turning or resting flywheel, with the drive on or off.
 ///
-/// Trip: an interlock opens, or the bridge's watchdog has stood still for the watchdog time, once it has moved at all. Then drive and load
+/// Trip: an interlock opens, or the bridge's watchdog, once it has counted, has not counted for the watchdog time. Drive and load are then off and
+/// the sledge moves back until a reset: a commit with `reset` 1 after one with 0, with all interlocks good and the bridge alive.
 /// are off and the sledge goes back, until a commit resets: `reset` 1 after a commit with 0, all interlocks good, bridge alive.
 #pragma once
 
@@ -35,7 +36,7 @@ struct PlcLimits {
     double watchdog_s = 0.5;
 };
 
-/// What the machines are told.
+/// Commands in force for the machines.
 struct MachineCommands {
     bool drive = false;
     double speed_mps = 0.0;
@@ -49,10 +50,10 @@ class VirtualPlc {
   public:
     explicit VirtualPlc(const PlcLimits& limits) : limits_(limits) {}
 
-    /// One scan at `now_s`, which does not fall. `good`: interlocks, bit i is rig::Interlock i.
+    /// One scan at `now_s`, which must not decrease. `good`: state of the interlocks, bit i is rig::Interlock i.
     void scan(const rig::CommandedValues& commanded, unsigned good, double rim_mps, double now_s);
 
-    /// `scans` scans have passed until `now_s`, in which nothing changed and the bridge was alive.
+    /// Accounts for `scans` scans until `now_s` in which nothing changed and the bridge was alive.
     void pass_idle(double now_s, std::uint64_t scans) {
         bridge_moved_s_ = now_s;
         watchdog_ = static_cast<std::uint16_t>(watchdog_ + scans);
@@ -60,7 +61,7 @@ class VirtualPlc {
 
     [[nodiscard]] const MachineCommands& commands() const { return commands_; }
     [[nodiscard]] rig::PlcState state() const { return state_; }
-    [[nodiscard]] Trip trip() const { return trip_; }                 ///< the last one's cause, kept after the reset
+    [[nodiscard]] Trip trip() const { return trip_; }                 ///< cause of the last trip, kept after the reset
     [[nodiscard]] Rejection rejection() const { return rejection_; }  ///< of rejected_commit()
     [[nodiscard]] std::uint16_t applied_commit() const { return applied_; }
     [[nodiscard]] std::uint16_t rejected_commit() const { return rejected_; }
@@ -78,9 +79,9 @@ class VirtualPlc {
     Rejection rejection_ = Rejection::none;
     double bridge_watchdog_ = 0.0;
     double bridge_moved_s_ = 0.0;
-    bool bridge_seen_ = false;  // its watchdog has moved
+    bool bridge_seen_ = false;  // its watchdog has counted
     bool bridge_alive_ = false;
-    bool reset_ = false;  // of the last commit that was taken over
+    bool reset_ = false;  // of the last applied commit
     std::uint16_t commit_ = 0;
     std::uint16_t applied_ = 0;
     std::uint16_t rejected_ = 0;

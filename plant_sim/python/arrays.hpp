@@ -1,4 +1,4 @@
-/// What NumPy and pandas take.
+/// Converts data to arrays for NumPy and pandas.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -11,7 +11,7 @@
 
 namespace plant_sim::python {
 
-/// An array of `of(row)` for each row: text as Python's own, which pandas keeps as it is.
+/// An array with `of(row)` for each row. Text becomes Python strings, which pandas does not convert.
 template <class Rows, class Of>
 [[nodiscard]] pybind11::array column(const Rows& rows, const Of& of) {
     using Value = std::decay_t<decltype(of(*rows.begin()))>;

@@ -11,13 +11,13 @@ namespace plant_sim::python {
 
 struct LogFiles {
     std::filesystem::path log;
-    std::string scenario;          ///< of config/scenarios: teeth and radii
-    std::filesystem::path config;  ///< empty: as the programs have it
+    std::string scenario;          ///< name in config/scenarios, for teeth and radii
+    std::filesystem::path config;  ///< empty: the programs' default
     std::filesystem::path dbc, binding;
     std::optional<std::string> interface;
 };
 
-/// The columns of `rig-replay export`, each an array. What is wrong with the log is a warning of Python's.
+/// The columns of `rig-replay export`, each an array. Problems of the log become Python warnings.
 [[nodiscard]] pybind11::dict read_log(const LogFiles& files);
 
 }  // namespace plant_sim::python

@@ -1,4 +1,4 @@
-/// Long work of C++ that other threads of Python do not wait for, and that Ctrl-C ends.
+/// Runs long C++ work while other Python threads go on; Ctrl-C ends it.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -8,8 +8,8 @@
 
 namespace plant_sim::python {
 
-/// What `work` returns or throws. Where a signal of Python's comes meanwhile `stop` is called, `work` is waited for, and what the signal's
-/// handler raised is thrown: KeyboardInterrupt. For Python's main thread; in another there are no signals.
+/// Returns or throws what `work` does. On a signal of Python calls `stop`, waits for `work`, and throws the exception of the signal's handler:
+/// KeyboardInterrupt. Only in Python's main thread; others get no signals.
 template <class Work, class Stop>
 auto interruptible(const Work& work, const Stop& stop) {
     constexpr std::chrono::milliseconds kLook{50};

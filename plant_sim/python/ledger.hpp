@@ -1,4 +1,4 @@
-/// A campaign's ledger as Python reads it; a bridge may be writing it meanwhile.
+/// A campaign's ledger for Python; a bridge may write it at the same time.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -10,16 +10,16 @@ namespace plant_sim::python {
 
 class Ledger {
   public:
-    /// `where`: the ledger or its directory. `campaign`: empty for the only one. Throws settings::Error.
+    /// `where`: the ledger or its directory. `campaign` empty: the only one. Throws settings::Error.
     Ledger(const std::filesystem::path& where, const std::string& campaign);
 
     [[nodiscard]] const std::string& campaign() const { return campaign_; }
     [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-    /// An array of each column, a value for each attempt, oldest first.
+    /// An array per column with one value for each attempt, oldest first.
     [[nodiscard]] pybind11::dict rows() const;
-    /// Of rows(); ImportError where there is no pandas.
+    /// rows() as pandas.DataFrame; ImportError without pandas.
     [[nodiscard]] pybind11::object data_frame() const;
-    /// c_e and mean friction of every maneuver that `rig-lab wear` would learn from.
+    /// c_e and mean friction of all maneuvers that `rig-lab wear` uses.
     [[nodiscard]] pybind11::tuple wear(bool out_of_tolerance) const;
 
   private:

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "firmware/can/names.hpp"
 #include "firmware/control/controller.hpp"

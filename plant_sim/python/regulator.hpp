@@ -1,4 +1,4 @@
-/// The regulator of wear as Python sees it: rig_bridge/wear/regulator.hpp with the plan of config/regulation.toml.
+/// The wear regulator for Python: rig_bridge/wear/regulator.hpp with the plan of config/regulation.toml.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@ namespace plant_sim::python {
 
 struct RegulatorRequest {
     std::filesystem::path config;
-    double landing_J = 0.0;  ///< expected mean and standard deviation
+    double landing_J = 0.0;  ///< expected mean, and standard deviation
     double landing_deviation_J = 0.0;
-    std::optional<int> landings;  ///< and the lives, instead of the file's and of the brake's [brake.wear]
+    std::optional<int> landings;  ///< none, also below: as in the file and in the brake's [brake.wear]
     std::optional<double> brake_life_J, tyre_life_J, brake_taken_J;
 };
 
-/// Throws settings::Error, or std::invalid_argument for a plan that cannot be.
+/// Throws settings::Error, or std::invalid_argument for an invalid plan.
 [[nodiscard]] wear::Regulator regulator_of(const RegulatorRequest& request);
 
 }  // namespace plant_sim::python

@@ -1,4 +1,4 @@
-/// The rig's side of a scenario, a control period at a time, for a controller that is written in Python.
+/// The rig's side of a scenario, period by period, for a controller written in Python.
 #pragma once
 
 #include <memory>
@@ -14,19 +14,19 @@ class RigLoop {
     explicit RigLoop(std::shared_ptr<const Scenario> scenario);
 
     [[nodiscard]] bool done() const { return session_.done(); }
-    /// The pilot asks for the brake, or the aircraft stands with it on.
+    /// Whether the pilot demands pressure, also at standstill.
     [[nodiscard]] bool braking() const { return session_.sample().maneuver.demand_Pa > 0.0F; }
     [[nodiscard]] antiskid::control::Time now() const { return period_ * steps_; }
     [[nodiscard]] double period_s() const;
     [[nodiscard]] const study::RigSession& session() const { return session_; }
-    /// The current that the valve's map has for a pressure.
+    /// Valve current for a pressure by the valve's map.
     [[nodiscard]] double current_for_mA(double pressure_Pa) const;
 
-    /// What the frames of this period tell a controller, rounded as they are.
+    /// Sensor values of this period, rounded as in frames.
     [[nodiscard]] const antiskid::control::Sensors& sensors();
-    /// One period with that current at the valve, as it is. Throws std::runtime_error once the maneuver is over.
+    /// Advances by one period with this valve current, which is not rounded. Throws std::runtime_error after the end of the maneuver.
     void advance(double current_mA, antiskid::control::State state = antiskid::control::State::braking);
-    /// One period with what a controller decided, rounded as its frame is.
+    /// Advances by one period with a controller's command, rounded as in its frame.
     void apply(const antiskid::control::Command& command);
 
     [[nodiscard]] py::object figures() const;

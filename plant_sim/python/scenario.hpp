@@ -1,11 +1,9 @@
-/// One maneuver as Python sees it: read and checked once, run as often as one likes.
+/// One maneuver for Python: read and checked once, run any number of times.
 #pragma once
 
 #include <pybind11/pybind11.h>
 
-#include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "firmware/host/settings/text_table.hpp"
@@ -18,19 +16,19 @@ namespace py = pybind11;
 
 class Scenario {
   public:
-    /// Keywords are those of `rig-lab stop`, with units; an unknown one is a TypeError that names those there are.
+    /// Keywords are those of `rig-lab stop`, with units; an unknown one is a TypeError that lists the known ones.
     explicit Scenario(const py::kwargs& keywords);
 
     [[nodiscard]] const StopInputs& inputs() const { return inputs_; }
     /// As `rig-lab stop --json`.
     [[nodiscard]] py::object figures(const study::RunResult& result, double slip_reference, std::uint64_t seed) const;
-    /// One maneuver over frames, as `rig-lab stop` runs it: its figures.
+    /// Figures of one maneuver over frames, as `rig-lab stop` runs it.
     [[nodiscard]] py::object stop() const;
-    /// The same with every control period as an array of each column.
+    /// The same, and an array per column with one value for each control period.
     [[nodiscard]] py::tuple recorded_stop() const;
-    /// One maneuver for each reference, with that seed, side by side: an array of each figure. The same values as RigLoop gives.
+    /// Runs one maneuver for each reference with that seed, side by side; an array per figure. The values are those of RigLoop.
     [[nodiscard]] py::dict stops(const std::vector<double>& slip, const std::vector<std::uint64_t>& seed, unsigned threads) const;
-    /// Open loop, as `rig-lab drive`: an array of each column. Exactly one of the two inputs.
+    /// Open loop, as `rig-lab drive`; an array per column. Exactly one of the two inputs must be given.
     [[nodiscard]] py::dict drive(const std::vector<double>& time_s, const std::optional<std::vector<double>>& pressure_Pa,
                                  const std::optional<std::vector<double>>& current_mA) const;
 

@@ -1,4 +1,4 @@
-/// Studies as the verbs of the same names run them, until Ctrl-C.
+/// Studies as the verbs of the same names run them; Ctrl-C ends them.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace plant_sim::python {
 
-/// The texts of results.json and stops.csv.
+/// Texts of results.json and stops.csv.
 struct StudyFiles {
     std::string results, stops;
 };
 
-/// `threads`: 0 for all cores. Python's lock is held by the caller, and free meanwhile.
+/// `threads`: 0: all cores. The caller must hold Python's lock, which is released during the run.
 [[nodiscard]] StudyFiles sweep_study(const sweep::SweepPlanOptions& options, unsigned threads);
 [[nodiscard]] StudyFiles robust_study(const robust::RobustPlanOptions& options, unsigned threads);
-/// The text of results.json. Of `scenario` what the verb has options for; its slip reference goes before that of `options`.
+/// Text of results.json. `scenario`: the verb's options; its slip reference replaces that of `options`.
 [[nodiscard]] std::string margins_study(const StopOptions& scenario, study::margins::StudyOptions options);
 
 }  // namespace plant_sim::python

@@ -1,9 +1,8 @@
-/// Wear learnt and forecast from arrays, as the verbs of `rig-lab wear` do it.
+/// Learns and forecasts wear from arrays, as the verbs of `rig-lab wear`.
 #pragma once
 
 #include <pybind11/pybind11.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,18 +12,18 @@
 
 namespace plant_sim::python {
 
-/// A brake's maneuvers, in their order.
+/// Maneuvers of a brake, in their order.
 struct WearPoints {
     std::vector<double> energy_J;  ///< c_e
     std::vector<double> friction;
     std::string source;  ///< for people
-    std::string origin;  ///< provenance.hpp; empty: unknown
+    std::string origin;  ///< see provenance.hpp; empty: unknown
 };
 
-/// model.json of `rig-lab wear fit`. `threads`: 0 for all cores.
+/// Contents of the model.json of `rig-lab wear fit`. `threads`: 0: all cores.
 [[nodiscard]] pybind11::object fit_wear(const WearPoints& points, const wear::FitSettings& settings, unsigned threads);
 
-/// forecast.json of `rig-lab wear forecast`, and `provenance`, a sentence.
+/// Contents of the forecast.json of `rig-lab wear forecast`, and `provenance`, a sentence.
 [[nodiscard]] pybind11::object landings_left(const WearPoints& points, const std::filesystem::path& population, const wear::ForecastRequest& request);
 
 }  // namespace plant_sim::python

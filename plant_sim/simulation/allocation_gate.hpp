@@ -1,4 +1,4 @@
-/// Which allocations are the product's, so that a test can make those fail: not what the simulation allocates around and beneath it.
+/// Distinguishes allocations of the tested programs from those of the simulation, so that a test can make only the former fail.
 #pragma once
 
 #include <functional>
@@ -8,18 +8,18 @@ namespace plant_sim::simulation {
 
 class AllocationGate {
   public:
-    /// Told whether allocations count from here on.
+    /// Called when the kind changes; `counts`: whether the following allocations are those of the tested programs.
     using Hook = std::function<void(bool counts)>;
 
     explicit AllocationGate(Hook hook = {}) : hook_(std::move(hook)) {}
 
-    /// Until it goes.
+    /// Sets the kind for its lifetime.
     class Scope {
       public:
-        Scope(AllocationGate& gate, bool counts) : gate_(gate), before_(std::exchange(gate.counts_, counts)) { gate_.tell(); }
+        Scope(AllocationGate& gate, bool counts) : gate_(gate), before_(std::exchange(gate.counts_, counts)) { gate_.notify(); }
         ~Scope() {
             gate_.counts_ = before_;
-            gate_.tell();
+            gate_.notify();
         }
         Scope(const Scope&) = delete;
         Scope& operator=(const Scope&) = delete;
@@ -32,7 +32,7 @@ class AllocationGate {
     [[nodiscard]] Scope simulation() { return {*this, false}; }
 
   private:
-    void tell() const {
+    void notify() const {
         if (hook_) hook_(counts_);
     }
     Hook hook_;

@@ -26,16 +26,16 @@ constexpr Time kSync{1'000'000'000};
 }  // namespace
 
 BridgeProgram::BridgeProgram(const rig::bridge::BridgeSetup& setup, BridgeCampaign campaign, BridgeMachine machine,
-                             std::unique_ptr<rig::modbus::PlcLine> line, CampaignBooks& books, BridgeMistake mistake)
+                             std::unique_ptr<rig::modbus::PlcLine> line, CampaignAudit& audit, BridgeMistake mistake)
     : setup_(setup),
       campaign_(std::move(campaign)),
       machine_(std::move(machine)),
-      books_(books),
+      audit_(audit),
       mistake_(mistake),
       listener_(setup.layout, setup.meter,
                 [this]() -> antiskid::can::ClockReading { return {.wall_minus_monotonic = offset(), .monotonic = time()}; }),
       plc_(setup.map, std::move(line), [this] { return time(); }),
-      node_(setup.layout, setup.meter.period_s, setup.limits, plc_, feed_, machine_.sends) {
+      node_(setup.layout, setup.meter.period_s, setup.limits, plc_, feed_, machine_.send_bus) {
     open();
 }
 
@@ -50,10 +50,11 @@ void BridgeProgram::open() {
                                                                  .version = ANTISKID_VERSION,
                                                                  .created = wall_text()},
                                                                 rig::record::IfChanged::reject, [this](const Attempt& left) { return meter(left); });
-    if (mistake_ == BridgeMistake::counts_by_itself) next_ = ledger_->finished_count() + static_cast<std::int64_t>(resumed.unfinished.size()) + 1;
+    if (mistake_ == BridgeMistake::numbers_maneuvers_itself)
+        next_ = ledger_->finished_count() + static_cast<std::int64_t>(resumed.unfinished.size()) + 1;
 }
 
-void BridgeProgram::tell_books(const std::function<void()>& what) {
+void BridgeProgram::outside_product(const std::function<void()>& what) {
     const auto simulation = machine_.gate.simulation();
     what();
 }
@@ -75,7 +76,7 @@ std::string BridgeProgram::wall_text() const {
 std::optional<Summary> BridgeProgram::meter(const Attempt& left) {
     if (mistake_ == BridgeMistake::forgets_energy_left) return std::nullopt;
     if (!std::filesystem::exists(machine_.disk->status(left.folder / "bus.log"))) return std::nullopt;
-    std::optional<PassingFile> file;
+    std::optional<MemoryFile> file;
     {
         const auto simulation = machine_.gate.simulation();
         file.emplace(machine_.disk->bytes(left.folder / "bus.log"));
@@ -84,39 +85,39 @@ std::optional<Summary> BridgeProgram::meter(const Attempt& left) {
     if (!summary) return std::nullopt;
     const auto simulation = machine_.gate.simulation();
     const double counted_J = rig::record::counted_energy_J(*summary);
-    books_.of(left).measured_J.insert(counted_J);
+    audit_.of(left).measured_J.insert(counted_J);
     if (mistake_ == BridgeMistake::counts_energy_left_twice) left_J_ = counted_J;
     return summary;
 }
 
 void BridgeProgram::poll() {
-    if (mistake_ == BridgeMistake::proves_life_without_loop) plc_.client.alive();
-    plc_.client.round();
+    if (mistake_ == BridgeMistake::watchdog_without_loop) plc_.client.alive();
+    plc_.client.exchange();
 }
 
-void BridgeProgram::hear() {
+void BridgeProgram::receive() {
     rig::bridge::Recording* const recording = run_ && run_->maneuver.recording() ? run_->recording.get() : nullptr;
     std::array<Frame, 64> frames{};
     std::array<rig::record::CapturedFrame, frames.size()> captured{};
     for (std::size_t count = frames.size(); count == frames.size();) {
-        count = machine_.hears.receive(frames);
+        count = machine_.receive_bus.receive(frames);
         for (std::size_t i = 0; i < count; ++i) {
             captured[i] = {.frame = frames[i]};
             captured[i].frame.received += machine_.wall_minus_monotonic(frames[i].received);
         }
-        hear(std::span(captured).first(count), recording);
+        receive(std::span(captured).first(count), recording);
     }
-    feed_.heard.up = machine_.hears.status().up;
-    listener_.tell(feed_.heard, time(), true, recording);
+    feed_.state.up = machine_.receive_bus.status().up;
+    listener_.fill(feed_.state, time(), true, recording);
     if (run_ && run_->recording) write_files();
 }
 
-void BridgeProgram::hear(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording) {
+void BridgeProgram::receive(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording) {
     if (mistake_ == BridgeMistake::keeps_wall_clock_stamps && recording != nullptr && !frames.empty())
         recording->label = rig::record::StampLabel(machine_.wall_minus_monotonic(machine_.now()));
-    listener_.hear(frames, recording);
+    listener_.receive(frames, recording);
     if (recording == nullptr) return;
-    std::vector<Frame>& known = books_.of(attempt_).frames;
+    std::vector<Frame>& known = audit_.of(attempt_).frames;
     for (const rig::record::CapturedFrame& one : frames) known.push_back(one.frame);
 }
 
@@ -129,7 +130,7 @@ void BridgeProgram::write_files() {
     if (now >= next_sync_) {
         next_sync_ = now + kSync;
         run_->bus_log->sync();
-        if (run_->bus_log->error().empty()) books_.synced(attempt_);
+        if (run_->bus_log->error().empty()) audit_.synced(attempt_);
         run_->modbus_csv->sync();
     }
 }
@@ -140,7 +141,7 @@ const rig::bridge::Moment& BridgeProgram::step() {
     const rig::bridge::Moment& moment = node_.step(sequencer,
                                                    {.number = maneuver != nullptr ? attempt_.number : 0,
                                                     .abort = maneuver != nullptr && !maneuver->record_error().empty(),
-                                                    .reset = mistake_ != BridgeMistake::leads_no_plc_back},
+                                                    .reset = mistake_ != BridgeMistake::leaves_plc_tripped},
                                                    time());
     if (maneuver == nullptr) {
         begin();
@@ -154,7 +155,7 @@ const rig::bridge::Moment& BridgeProgram::step() {
 }
 
 std::optional<std::int64_t> BridgeProgram::next_number() const {
-    if (mistake_ != BridgeMistake::counts_by_itself) return ledger_->next_number();
+    if (mistake_ != BridgeMistake::numbers_maneuvers_itself) return ledger_->next_number();
     return next_ <= campaign_.planned ? std::optional(next_) : std::nullopt;
 }
 
@@ -164,7 +165,7 @@ void BridgeProgram::begin() {
     complete_ = !number;
     if (complete_) return;
     attempt_ = ledger_->begin(*number, wall_text());
-    tell_books([&] { books_.begun(attempt_); });
+    outside_product([&] { audit_.begun(attempt_); });
     run_.emplace(Run{.request = {.plan = campaign_.plan,
                                  .campaign = kSimulatedCampaign,
                                  .number = attempt_.number,
@@ -186,8 +187,8 @@ void BridgeProgram::begin_record() {
     auto modbus_csv = std::make_unique<rig::record::AppendFile>(attempt_.folder / "modbus.csv", *machine_.disk);
     run.modbus_csv = modbus_csv.get();
     run.samples = std::make_unique<rig::record::SampleLog>(std::move(modbus_csv));
-    feed_.heard.wall_minus_monotonic = run.recording->label.of(Time{});
-    feed_.heard.missing = 0;
+    feed_.state.wall_minus_monotonic = run.recording->label.of(Time{});
+    feed_.state.missing = 0;
     next_write_ = now + kWrite;
     next_sync_ = now + kSync;
     run.maneuver.begin();
@@ -202,7 +203,7 @@ void BridgeProgram::close() {
     else
         run.maneuver.finish(run.recording->log, *run.samples);
     const std::string lost = run.maneuver.record_error();
-    if (lost.empty() && !late) tell_books([&] { books_.synced(attempt_); });
+    if (lost.empty() && !late) outside_product([&] { audit_.synced(attempt_); });
     Summary summary = rig::bridge::summary_of(setup_, run.request, *run.maneuver.sequencer(), run.started, *run.recording, lost.empty());
     if (left_J_ != 0.0) {
         summary.figures.energy_brake_J += std::exchange(left_J_, 0.0);
@@ -218,18 +219,18 @@ void BridgeProgram::close() {
 
 void BridgeProgram::enter(const Summary& summary) {
     const double counted_J = rig::record::counted_energy_J(summary);
-    tell_books([&] { books_.of(attempt_).measured_J.insert(counted_J); });
+    outside_product([&] { audit_.of(attempt_).measured_J.insert(counted_J); });
     try {
         rig::bridge::enter(*ledger_, attempt_.folder, summary, *machine_.disk);
     } catch (const rig::record::LedgerInDoubt&) {
         throw;
     } catch (const rig::record::LedgerError&) {
-        tell_books([&] { books_.refused(attempt_); });
-        if (mistake_ != BridgeMistake::overlooks_no_memory) throw;
+        outside_product([&] { audit_.refused(attempt_); });
+        if (mistake_ != BridgeMistake::ignores_no_memory) throw;
     } catch (const std::bad_alloc&) {
-        if (mistake_ != BridgeMistake::overlooks_no_memory) throw;
+        if (mistake_ != BridgeMistake::ignores_no_memory) throw;
     }
-    if (summary.outcome == rig::name(Phase::finished)) tell_books([&] { books_.finished(attempt_, counted_J); });
+    if (summary.outcome == rig::name(Phase::finished)) outside_product([&] { audit_.finished(attempt_, counted_J); });
 }
 
 }  // namespace plant_sim::simulation

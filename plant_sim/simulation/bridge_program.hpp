@@ -1,6 +1,6 @@
-/// The bridge without its threads: main loop, client, listener, recorder and ledger, turn by turn on clocks and a disk that are handed in. It runs
-/// a campaign as `rig-bridge campaign` does, by the same parts (ManeuverRun, BusListener, Node, summary_of(), enter()); what is written on other
-/// threads there is written at once here, between two steps.
+/// The bridge without its threads: main loop, client, listener, recorder and ledger, called one after the other, with injected clocks and disk. It
+/// runs a campaign as `rig-bridge campaign` does, with the same parts (ManeuverRun, BusListener, Node, summary_of(), enter()). What other threads
+/// write there is written here at once, between two steps.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 #include "firmware/can/bus.hpp"
 #include "plant_sim/simulation/allocation_gate.hpp"
-#include "plant_sim/simulation/campaign_books.hpp"
+#include "plant_sim/simulation/campaign_audit.hpp"
 #include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/maneuver_record.hpp"
 #include "rig_bridge/bridge/maneuver_run.hpp"
@@ -22,54 +22,54 @@
 
 namespace plant_sim::simulation {
 
-/// What a test of the invariants has the bridge do otherwise.
+/// Seeded mistakes of the bridge, for tests of the invariants.
 enum class BridgeMistake : std::uint8_t {
     none,
-    leads_no_plc_back,           ///< that has tripped
-    proves_life_without_loop,    ///< the client's watchdog moves whether or not the main loop does
-    counts_by_itself,            ///< which maneuver is next, from how many were begun before it started
+    leaves_plc_tripped,          ///< does not reset a tripped PLC
+    watchdog_without_loop,       ///< the client's watchdog counts also without the main loop
+    numbers_maneuvers_itself,    ///< computes the next maneuver's number from the number of begun ones, instead of the ledger
     forgets_energy_left,         ///< of an attempt that a dead bridge left
-    counts_energy_left_twice,    ///< there, and in the next attempt
-    enters_before_it_is_synced,  ///< the recording
-    keeps_wall_clock_stamps,     ///< in the recording, when the clock is set
-    waits_by_wall_clock,         ///< time-outs
-    overlooks_no_memory,         ///< as it enters a maneuver
+    counts_energy_left_twice,    ///< once for that attempt, once in the next
+    enters_before_it_is_synced,  ///< enters a maneuver before its recording is synced
+    keeps_wall_clock_stamps,     ///< does not correct the recording's time stamps when the wall clock is set
+    waits_by_wall_clock,         ///< for timeouts
+    ignores_no_memory,           ///< ignores a failed allocation when entering a maneuver
 };
 
-/// The machine that it runs on.
+/// The computer on which it runs.
 struct BridgeMachine {
-    antiskid::can::Bus& sends;  ///< its two sockets
-    antiskid::can::Bus& hears;
+    antiskid::can::Bus& send_bus;  ///< two sockets of one computer
+    antiskid::can::Bus& receive_bus;
     std::function<antiskid::can::Time()> now;  ///< monotonic
-    /// Of the wall clock, at that time of the other.
+    /// Offset of the wall clock, for a monotonic time.
     std::function<antiskid::can::Time(antiskid::can::Time)> wall_minus_monotonic;
     std::shared_ptr<const SimulatedDisk> disk;
     AllocationGate& gate;
 };
 
-/// What is run, as kSimulatedCampaign.
+/// The campaign, named kSimulatedCampaign.
 struct BridgeCampaign {
     std::int64_t planned = 0;
-    rig::Plan plan;  ///< of every maneuver
+    rig::Plan plan;  ///< the same for every maneuver
 };
 
 class BridgeProgram {
   public:
-    /// Opens the ledger and settles what the bridge before it has left. All references must outlive it. Whatever it throws, here and below, ends the
+    /// Opens the ledger and settles attempts that a previous bridge left. All references must outlive it. Any exception, here and below, ends the
     /// program.
     BridgeProgram(const rig::bridge::BridgeSetup& setup, BridgeCampaign campaign, BridgeMachine machine, std::unique_ptr<rig::modbus::PlcLine> line,
-                  CampaignBooks& books, BridgeMistake mistake);
+                  CampaignAudit& audit, BridgeMistake mistake);
 
-    /// What the client's thread does at each poll.
+    /// One poll of the client's thread.
     void poll();
-    /// What the recorder's thread does, and that of its files.
-    void hear();
-    /// The main loop.
+    /// One pass of the recorder's thread and of the thread that writes its files.
+    void receive();
+    /// One step of the main loop.
     const rig::bridge::Moment& step();
 
-    /// None: it is between two.
+    /// Null: no maneuver is running.
     [[nodiscard]] const rig::Sequencer* sequencer() const { return run_ ? std::as_const(run_->maneuver).sequencer() : nullptr; }
-    /// The newest that has begun; attempt 0: none has.
+    /// The newest attempt; attempt 0: none has begun.
     [[nodiscard]] const rig::record::Attempt& attempt() const { return attempt_; }
     [[nodiscard]] bool complete() const { return complete_; }
 
@@ -82,8 +82,8 @@ class BridgeProgram {
         rig::modbus::ModbusClient client;
     };
     struct Feed final : rig::bridge::BusFeed {
-        [[nodiscard]] rig::bridge::BusNow now() const override { return heard; }
-        rig::bridge::BusNow heard;
+        [[nodiscard]] rig::bridge::BusNow now() const override { return state; }
+        rig::bridge::BusNow state;
     };
     struct Run {
         rig::bridge::ManeuverRequest request;
@@ -95,17 +95,17 @@ class BridgeProgram {
         std::unique_ptr<rig::record::SampleLog> samples{};
     };
 
-    void tell_books(const std::function<void()>& what);
+    void outside_product(const std::function<void()>& what);
     void open();
     [[nodiscard]] std::optional<rig::record::Summary> meter(const rig::record::Attempt& left);
     [[nodiscard]] std::optional<std::int64_t> next_number() const;
     void begin();
     void begin_record();
-    void hear(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording);
+    void receive(std::span<rig::record::CapturedFrame> frames, rig::bridge::Recording* recording);
     void write_files();
     void close();
     void enter(const rig::record::Summary& summary);
-    /// The monotonic clock as the program reads it, and what the wall clock is ahead of that.
+    /// The monotonic clock as the program reads it, and the wall clock's offset from it.
     [[nodiscard]] antiskid::can::Time time() const;
     [[nodiscard]] antiskid::can::Time offset() const;
     [[nodiscard]] std::string wall_text() const;
@@ -113,10 +113,10 @@ class BridgeProgram {
     const rig::bridge::BridgeSetup& setup_;
     BridgeCampaign campaign_;
     BridgeMachine machine_;
-    CampaignBooks& books_;
+    CampaignAudit& audit_;
     BridgeMistake mistake_;
     double left_J_ = 0.0;
-    std::int64_t next_ = 1;  // counts_by_itself
+    std::int64_t next_ = 1;  // numbers_maneuvers_itself
 
     std::unique_ptr<rig::record::Ledger> ledger_;
     rig::bridge::BusListener listener_;

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "firmware/host/seconds.hpp"
@@ -15,7 +13,7 @@
 #include "plant_sim/simulation/energy_account.hpp"
 #include "plant_sim/simulation/fault_timeline.hpp"
 #include "plant_sim/simulation/faulty_bus.hpp"
-#include "plant_sim/simulation/remade_figures.hpp"
+#include "plant_sim/simulation/recomputed_figures.hpp"
 #include "plant_sim/simulation/simulated_clock.hpp"
 #include "plant_sim/simulation/simulated_line.hpp"
 
@@ -40,7 +38,7 @@ class CellCampaign {
     CellCampaign(const CellSetup& setup, std::uint64_t seed, std::span<const PlannedFault> faults, const CellTrace& trace)
         : setup_(setup),
           trace_(trace),
-          draw_(wear::generator_of(seed, 2)),  // faults and disk have the others
+          draw_(wear::generator_of(seed, 2)),  // the other streams are for faults and disk
           period_(duration(static_cast<double>(setup.controller.period_s))),
           layout_(setup.bridge.layout),
           planned_(static_cast<std::int64_t>(1 + draw_() % 2)),
@@ -48,14 +46,14 @@ class CellCampaign {
           max_sound_attempts_(planned_ + 3 * static_cast<std::int64_t>(faults.size()) + 3),
           disk_(std::make_shared<SimulatedDisk>(seed)),
           gate_(std::make_shared<AllocationGate>(setup.allocations)),
-          books_(disk_),
+          audit_(disk_),
           account_(0.5 * setup.bridge.meter.flywheel_mass_kg * plan_.speed_mps * plan_.speed_mps),
-          remade_(setup.bridge, disk_),
+          recomputed_(setup.bridge, disk_),
           bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { witness(end, frame, damaged); }),
           at_rig_(bus_.connect()),
           at_controller_(bus_.connect()),
-          bridge_sends_(bus_.connect(true)),
-          bridge_hears_(bus_.connect()),
+          bridge_send_bus_(bus_.connect(true)),
+          bridge_receive_bus_(bus_.connect()),
           bank_(setup.bridge.map),
           rig_(setup.bridge.scenario.rig, setup.machinery, seed),
           serving_(rig_, layout_, at_rig_, clock_, period_, [this](plc::ServedRig& rig) { exchange(rig); }),
@@ -63,7 +61,7 @@ class CellCampaign {
           faults_(faults),
           controller_(setup.controller, layout_, period_, at_controller_) {
         disk_->use(gate_);
-        bridge_hears_.on_computer_of(bridge_sends_);
+        bridge_receive_bus_.on_computer_of(bridge_send_bus_);
     }
 
     CellOutcome run() {
@@ -75,44 +73,44 @@ class CellCampaign {
         }
         if (out_.violations.empty()) {
             end_bridge(clock_.now());
-            disk_->restart();  // the power is cut at rest
+            disk_->restart();  // the power is cut at the end
             check_disk();
             check_numbers();
         }
         out_.simulated_s = seconds(clock_.now());
-        for (const std::uint64_t frames : bus_.struck()) out_.frames_struck += frames;
-        for (const std::uint64_t requests : line_.struck) out_.requests_struck += requests;
-        out_.disk_struck = disk_->struck();
-        out_.damaged = books_.damaged();
+        for (const std::uint64_t frames : bus_.fault_counts()) out_.faulted_frames += frames;
+        for (const std::uint64_t requests : line_.fault_counts) out_.faulted_requests += requests;
+        out_.disk_fault_counts = disk_->fault_counts();
+        out_.damaged = audit_.damaged();
         out_.operations = disk_->operations();
         return std::move(out_);
     }
 
   private:
-    void tell(const std::string& line) const {
+    void trace_line(const std::string& line) const {
         if (trace_) trace_(fmt::format("{:9.3f} s  {}", seconds(clock_.time()), line));
     }
     void violated(const std::string& what) {
-        tell("VIOLATION: " + what);
+        trace_line("VIOLATION: " + what);
         out_.violations.push_back(what);
     }
 
     void period() {
-        clock_.pass(period_);
+        clock_.advance(period_);
         bus_.set_time(clock_.now());
         line_.now = clock_.now();
-        if (faults_.pass(clock_.now(), [this](const PlannedFault& fault, bool begins) { change(fault, begins); })) apply();
+        if (faults_.advance(clock_.now(), [this](const PlannedFault& fault, bool begins) { change(fault, begins); })) apply();
         serving_.period();
-        account_.pass(clock_.now(), rig_.cumulative_energy_J());
+        account_.advance(clock_.now(), rig_.cumulative_energy_J());
         controller_turn();
         bridge_turn();
         const Time now = clock_.now();
-        judge_.look({.now = now,
-                     .loop_lives = bridge_ && now >= bridge_away_ && now >= loop_away_,
-                     .plc_answers = line_.reachable && !frozen_,
-                     .controller_lives = controller_.runs() && now >= controller_away_,
-                     .open = open_,
-                     .sequencer = bridge_ ? bridge_->sequencer() : nullptr});
+        judge_.check({.now = now,
+                      .loop_lives = bridge_ && now >= bridge_away_ && now >= loop_away_,
+                      .plc_answers = line_.reachable && !frozen_,
+                      .controller_lives = controller_.runs() && now >= controller_away_,
+                      .open = open_,
+                      .sequencer = bridge_ ? bridge_->sequencer() : nullptr});
     }
 
     void exchange(plc::ServedRig& rig) {
@@ -120,16 +118,16 @@ class CellCampaign {
         rig.open_interlocks(setup_.interlocks_trip ? open_ : 0U);
     }
 
-    // --- what fails ---
+    // --- faults ---
 
-    /// What happens once.
+    /// Events at the beginning or end of a fault.
     void change(const PlannedFault& fault, bool begins) {
-        tell(begins ? "begins: " + text(fault) : "is over: " + std::string(kCellFaultNames.at(static_cast<std::size_t>(fault.fault))));
+        trace_line(begins ? "begins: " + text(fault) : "is over: " + std::string(kCellFaultNames.at(static_cast<std::size_t>(fault.fault))));
         if (fault.fault == CellFault::clock_set) clock_.set_wall(duration(begins ? fault.set_s : -fault.set_s));
         if (!begins) {
             const std::vector<PlannedFault> left = faults_.active();
-            const auto strikes = [](const PlannedFault& other) { return of_disk(other.fault); };
-            if (of_disk(fault.fault) && std::none_of(left.begin(), left.end(), strikes)) disk_->calm();
+            const auto is_of_disk = [](const PlannedFault& other) { return of_disk(other.fault); };
+            if (of_disk(fault.fault) && std::none_of(left.begin(), left.end(), is_of_disk)) disk_->clear_faults();
             return;
         }
         ++out_.begun.at(static_cast<std::size_t>(fault.fault));
@@ -153,28 +151,28 @@ class CellCampaign {
                 loop_away_ = until;
                 break;
             default:
-                if (of_disk(fault.fault)) strike(fault);
+                if (of_disk(fault.fault)) inject(fault);
                 break;
         }
     }
 
-    void strike(const PlannedFault& fault) {
+    void inject(const PlannedFault& fault) {
         constexpr std::array kKinds{DiskFault::power_cut, DiskFault::kill, DiskFault::no_space, DiskFault::refused, DiskFault::short_write};
         const DiskFault kind = kKinds.at(static_cast<std::size_t>(fault.fault) - static_cast<std::size_t>(CellFault::power_cut));
-        disk_->strike_soon(fault.operation, kind, kind == DiskFault::no_space ? fault.operations : 1);
+        disk_->inject_soon(fault.operation, kind, kind == DiskFault::no_space ? fault.operations : 1);
         if (kind == DiskFault::power_cut || kind == DiskFault::kill) down_ = duration(fault.lasts_s);
     }
 
-    /// What lasts.
+    /// Effects that last as long as a fault.
     void apply() {
-        for (FaultyBus::End* const end : {&at_rig_, &at_controller_, &bridge_sends_, &bridge_hears_}) end->calm();
+        for (FaultyBus::End* const end : {&at_rig_, &at_controller_, &bridge_send_bus_, &bridge_receive_bus_}) end->clear_faults();
         line_.shares.fill(0.0);
         line_.reachable = true;
         frozen_ = false;
         open_ = 0;
         std::array<bool, kPartyNames.size()> up{true, true, true};
         for (const PlannedFault& p : faults_.active()) {
-            if (p.fault < CellFault::off_bus) end_of(p.party).strike(static_cast<FrameFault>(p.fault), p.share);
+            if (p.fault < CellFault::off_bus) end_of(p.party).set_share(static_cast<FrameFault>(p.fault), p.share);
             if (p.fault == CellFault::off_bus) up.at(static_cast<std::size_t>(p.party)) = false;
             if (p.fault >= CellFault::requests_lost && p.fault <= CellFault::requests_doubled)
                 line_.shares.at(static_cast<std::size_t>(p.fault) - static_cast<std::size_t>(CellFault::requests_lost)) = p.share;
@@ -184,23 +182,23 @@ class CellCampaign {
         }
         at_rig_.set_up(up[0]);
         at_controller_.set_up(up[1]);
-        bridge_sends_.set_up(up[2]);
-        bridge_hears_.set_up(up[2] && bridge_);
+        bridge_send_bus_.set_up(up[2]);
+        bridge_receive_bus_.set_up(up[2] && bridge_);
     }
 
-    FaultyBus::End& end_of(Party party) { return party == Party::rig ? at_rig_ : party == Party::controller ? at_controller_ : bridge_hears_; }
+    FaultyBus::End& end_of(Party party) { return party == Party::rig ? at_rig_ : party == Party::controller ? at_controller_ : bridge_receive_bus_; }
 
     // --- the programs ---
 
     void controller_turn() {
         if (clock_.now() < controller_away_) return controller_.miss();
-        if (!controller_.runs()) judge_.starts_anew();
+        if (!controller_.runs()) judge_.restarted();
         controller_.period(clock_.now());
     }
 
-    /// However it ends. What it has on the disk is looked at before the next one comes.
+    /// For any kind of end. The disk is checked before the next bridge starts.
     void end_bridge(Time until) {
-        line_.reachable = disk_->runs();  // else it dies without a word
+        line_.reachable = disk_->runs();  // a bridge without power sends nothing more
         bridge_.reset();
         account_.bridge_ended();
         apply();
@@ -215,20 +213,20 @@ class CellCampaign {
 
     void start_bridge() {
         ++out_.starts;
-        tell("the bridge starts");
-        bridge_hears_.set_up(bridge_sends_.status().up);
-        judge_.starts_anew();
+        trace_line("the bridge starts");
+        bridge_receive_bus_.set_up(bridge_send_bus_.status().up);
+        judge_.restarted();
         next_step_ = clock_.now();
         next_poll_ = line_.busy_until = Time{};
         bridge_ =
             std::make_unique<BridgeProgram>(setup_.bridge, BridgeCampaign{.planned = planned_, .plan = plan_},
-                                            BridgeMachine{.sends = bridge_sends_,
-                                                          .hears = bridge_hears_,
+                                            BridgeMachine{.send_bus = bridge_send_bus_,
+                                                          .receive_bus = bridge_receive_bus_,
                                                           .now = [this] { return clock_.now(); },
                                                           .wall_minus_monotonic = [this](Time at) { return clock_.wall_minus_monotonic(at); },
                                                           .disk = disk_,
                                                           .gate = *gate_},
-                                            std::make_unique<SimulatedLine>(bank_, setup_.bridge.map.link, line_, draw_), books_, setup_.mistake);
+                                            std::make_unique<SimulatedLine>(bank_, setup_.bridge.map.link, line_, draw_), audit_, setup_.mistake);
     }
 
     void bridge_turn() {
@@ -239,13 +237,13 @@ class CellCampaign {
         } catch (const std::exception& error) {  // LedgerError, settings::Error, a recording that cannot be made, no memory
             if (disk_->runs()) {
                 constexpr Time kService{1'000'000'000};
-                tell(fmt::format("the bridge ends: {}", error.what()));
+                trace_line(fmt::format("the bridge ends: {}", error.what()));
                 ++out_.refusals;
                 end_bridge(clock_.now() + kService);
             }
         }
         if (!disk_->runs()) {
-            tell(disk_->power_cut() ? "the power is cut" : "the bridge is killed");
+            trace_line(disk_->power_cut() ? "the power is cut" : "the bridge is killed");
             end_bridge(clock_.now() + down_);
         }
     }
@@ -258,7 +256,7 @@ class CellCampaign {
         }
         if (now < next_step_) return;
         next_step_ = now + rig::bridge::Node::kStep;
-        bridge_->hear();
+        bridge_->receive();
         if (now < loop_away_) return;
         (void)bridge_->step();
         if (disk_->runs()) follow();
@@ -270,7 +268,7 @@ class CellCampaign {
             attempt_folder_ = bridge_->attempt().folder;
             ++out_.attempts;
             if (!faults_.any()) ++sound_attempts_;
-            tell(fmt::format("maneuver {}, attempt {}", bridge_->attempt().number, bridge_->attempt().attempt));
+            trace_line(fmt::format("maneuver {}, attempt {}", bridge_->attempt().number, bridge_->attempt().attempt));
             phase_ = Phase::finished;
         }
         const rig::Sequencer* const sequencer = bridge_->sequencer();
@@ -280,33 +278,33 @@ class CellCampaign {
             account_.begun(attempt_folder_);
         }
         phase_ = sequencer->phase();
-        tell(fmt::format("{}{}", rig::name(phase_), phase_ == Phase::aborting ? fmt::format(": {}", rig::name(sequencer->abort())) : ""));
+        trace_line(fmt::format("{}{}", rig::name(phase_), phase_ == Phase::aborting ? fmt::format(": {}", rig::name(sequencer->abort())) : ""));
         faults_.reached(phase_, out_.attempts, clock_.now());
         if (!sequencer->over()) return;
         judge_.over(*sequencer);
         if (phase_ == Phase::aborted) ++out_.aborts[std::string(rig::name(sequencer->abort()))];
     }
 
-    // --- what must hold ---
+    // --- invariants ---
 
     void witness(const FaultyBus::End& end, const Frame& frame, bool damaged) {
         if (damaged) return;
-        if (&end == &at_controller_) judge_.controller_hears(frame);
-        if (&end == &at_rig_) judge_.rig_hears(frame);
+        if (&end == &at_controller_) judge_.controller_received(frame);
+        if (&end == &at_rig_) judge_.rig_received(frame);
     }
 
     void check_disk() {
         disk_->pause(true);
-        for (const std::string& what : books_.check()) violated(what);
+        for (const std::string& what : audit_.check()) violated(what);
         disk_->pause(false);
-        for (const std::string& what : account_.check(books_.rows())) violated(what);
+        for (const std::string& what : account_.check(audit_.rows())) violated(what);
         if (out_.violations.empty())
-            for (const std::string& what : remade_.check(books_.rows())) violated(what);
+            for (const std::string& what : recomputed_.check(audit_.rows())) violated(what);
     }
 
     void check_numbers() {
         for (std::int64_t number = 1; number <= planned_; ++number) {
-            const auto& rows = books_.rows();
+            const auto& rows = audit_.rows();
             const auto is = [number](const auto& row) { return row.attempt.number == number && row.state == rig::record::RowState::finished; };
             if (std::none_of(rows.begin(), rows.end(), is))
                 violated(fmt::format("the campaign has ended, and maneuver {} was left out", number));
@@ -323,14 +321,14 @@ class CellCampaign {
     const antiskid::can::Layout& layout_;
     std::int64_t planned_;
     rig::Plan plan_;
-    std::int64_t max_sound_attempts_;  // one for each maneuver, and what a fault still spoils after its end
+    std::int64_t max_sound_attempts_;  // one per maneuver, and those that a fault still spoils after its end
     std::shared_ptr<const SimulatedDisk> disk_;
     std::shared_ptr<AllocationGate> gate_;
-    CampaignBooks books_;
+    CampaignAudit audit_;
     EnergyAccount account_;
-    RemadeFigures remade_;
+    RecomputedFigures recomputed_;
     FaultyBus bus_;
-    FaultyBus::End &at_rig_, &at_controller_, &bridge_sends_, &bridge_hears_;
+    FaultyBus::End &at_rig_, &at_controller_, &bridge_send_bus_, &bridge_receive_bus_;
     rig::modbus::RegisterBank bank_;
     LineState line_;
     plc::ServedRig rig_;
@@ -343,7 +341,7 @@ class CellCampaign {
 
     std::unique_ptr<BridgeProgram> bridge_;
     Time bridge_away_{}, loop_away_{}, next_poll_{}, next_step_{};
-    Time down_{};  // for how long the next that ends the bridge does
+    Time down_{};  // downtime of the next fault that ends the bridge
     std::filesystem::path attempt_folder_;
     std::int64_t sound_attempts_ = 0;
     CellOutcome out_;

@@ -1,9 +1,8 @@
-/// Campaigns in a test cell of three programs that fail, on simulated clocks and a simulated disk: the bridge's main loop, sequencer, Modbus
-/// client, recorder and ledger, controller and served rig with its PLC, joined by the frames and requests that a real cell has. What must hold is
-/// looked at in every period, and on the disk whenever a bridge has ended; in the end the campaign has to come to its end once nothing fails any
-/// more.
+/// Campaigns in a test cell whose three programs fail, on simulated clocks and a simulated disk: the bridge's main loop, sequencer, Modbus client,
+/// recorder and ledger, the controller, and the served rig with its PLC. They exchange the frames and requests of a real cell. The invariants are
+/// checked in every period, and those of the disk whenever a bridge has ended. After the last fault the campaign has to complete.
 ///
-/// Not in it: threads, the terminal, and the 0.3 s of the bus that a bridge records before it settles what the one before has left.
+/// Not simulated: threads, the terminal, and the 0.3 s of bus that a bridge records before it settles attempts of its predecessor.
 #pragma once
 
 #include <array>
@@ -23,24 +22,24 @@
 
 namespace plant_sim::simulation {
 
-/// What the three programs are run with: a test of the invariants puts its mistakes in here.
+/// Settings of the three programs, and seeded mistakes for tests of the invariants.
 struct CellSetup {
     rig::bridge::BridgeSetup bridge;
     antiskid::control::Config controller;
     plc::ServedRigOptions machinery;
-    // What is held against, whatever the two above say.
-    double permission_s = 0.0;      ///< for which a permission holds
-    rig::bridge::Freshness limits;  ///< for which the bridge may go on without hearing of PLC or controller
+    // Limits for the checks, independent of the settings above.
+    double permission_s = 0.0;      ///< longest time for which a permission is valid
+    rig::bridge::Freshness limits;  ///< longest times for which the bridge may go on without data of PLC or controller
 
     // Mistakes.
     BridgeMistake mistake = BridgeMistake::none;
-    bool interlocks_trip = true;  ///< the PLC looks at its interlocks
+    bool interlocks_trip = true;  ///< false: the PLC ignores its interlocks
 
-    /// For a test that has allocations of the bridge fail, those of its main loop apart.
+    /// For a test in which the bridge's allocations fail, except those of its main loop.
     AllocationGate::Hook allocations = {};
 };
 
-/// A light landing from some 10 m/s, which takes a third of a minute. Throws as rig::bridge::load_setup does.
+/// A light landing from about 10 m/s; simulated time of a third of a minute. Throws as rig::bridge::load_setup does.
 [[nodiscard]] CellSetup load_cell_setup(const std::filesystem::path& config);
 
 struct CellOutcome {
@@ -48,27 +47,27 @@ struct CellOutcome {
     std::int64_t attempts = 0;
     std::int64_t finished = 0;
     std::int64_t starts = 0;       ///< of the bridge
-    std::int64_t refusals = 0;     ///< ends of it because disk or memory refused
-    std::uint64_t damaged = 0;     ///< logs of which the reader says so, each time that it looked
+    std::int64_t refusals = 0;     ///< bridges that ended because disk or memory refused
+    std::uint64_t damaged = 0;     ///< number of readings of logs that reported damage
     std::uint64_t operations = 0;  ///< of the disk
     double simulated_s = 0.0;
     std::map<std::string, std::int64_t> aborts;                ///< by cause
-    std::array<std::int64_t, kCellFaultNames.size()> begun{};  ///< faults
-    std::uint64_t frames_struck = 0, requests_struck = 0;
-    std::array<std::uint64_t, kDiskFaultNames.size()> disk_struck{};
+    std::array<std::int64_t, kCellFaultNames.size()> begun{};  ///< faults, by kind
+    std::uint64_t faulted_frames = 0, faulted_requests = 0;
+    std::array<std::uint64_t, kDiskFaultNames.size()> disk_fault_counts{};
 
     CellOutcome& operator+=(const CellOutcome& other);
 };
 
-/// Takes a line for what happens.
+/// Called with a line for each event.
 using CellTrace = std::function<void(const std::string& line)>;
 
-/// Everything but `faults` is drawn from `seed`. Stops at the first violation.
+/// Draws all but `faults` from `seed`. Stops at the first violation.
 [[nodiscard]] CellOutcome run_cell_campaign(const CellSetup& setup, std::uint64_t seed, std::span<const PlannedFault> faults,
                                             const CellTrace& trace = {});
-/// The faults of this seed.
+/// The faults of a seed.
 [[nodiscard]] std::vector<PlannedFault> faults_of(std::uint64_t seed);
-/// Of `faults`, with which the campaign violates something, those without which it does not; each as short as halving makes it.
+/// For `faults` that lead to a violation: a subset that still does, without which there is none, each fault shortened by halving.
 [[nodiscard]] std::vector<PlannedFault> fewest_faults(const CellSetup& setup, std::uint64_t seed, std::vector<PlannedFault> faults);
 
 }  // namespace plant_sim::simulation

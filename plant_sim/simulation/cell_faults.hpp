@@ -1,4 +1,4 @@
-/// What befalls a test cell, as a plan that is drawn, printed and made smaller.
+/// Faults of a test cell, as a plan that can be drawn, printed and reduced.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace plant_sim::simulation {
 
 enum class CellFault : std::uint8_t {
-    frames_lost,  ///< on their way to one party, as the next three
+    frames_lost,  ///< on their way to `party`, as the next three
     frames_late,
     frames_doubled,
     frames_damaged,
@@ -24,16 +24,16 @@ enum class CellFault : std::uint8_t {
     answers_damaged,
     requests_doubled,
     plc_unreachable,  ///< connecting fails, too
-    plc_frozen,       ///< answers, and its registers stay as they are
+    plc_frozen,       ///< answers, but its registers do not change
     interlock_open,
     controller_killed,
     controller_stopped,
     bridge_killed,
     bridge_stopped,
     bridge_hangs,    ///< its main loop; the threads of client and recorder go on
-    clock_set,       ///< the wall clock of the bridge's computer, and set back when it is over
-    power_cut,       ///< of the computer with bridge and controller, in an operation of its disk, as the next four
-    killed_writing,  ///< the bridge
+    clock_set,       ///< the wall clock of the bridge's computer; set back at the end
+    power_cut,       ///< of the computer with bridge and controller, during an operation of its disk, as the next four
+    killed_writing,  ///< the bridge, during a write
     disk_full,
     disk_refuses,
     disk_writes_short,
@@ -49,25 +49,26 @@ inline constexpr std::array<std::string_view, 3> kPartyNames{"rig", "controller"
 
 struct PlannedFault {
     CellFault fault = CellFault::frames_lost;
-    Party party = Party::rig;  ///< of the first five
+    Party party = Party::rig;  ///< for the first five faults
     rig::Interlock interlock = rig::Interlock::emergency_stop_clear;
-    double share = 1.0;  ///< of frames or requests
-    // It begins `after_s` after the first time that this attempt, or a later one, has reached the phase.
+    double share = 1.0;  ///< of the affected frames or requests
+    // It begins `after_s` after this attempt, or a later one, first reached `phase`.
     int attempt = 1;
     rig::Phase phase = rig::Phase::idle;
     double after_s = 0.0;
-    double lasts_s = 0.0;          ///< of what ends a program: until it is started again
-    double set_s = 0.0;            ///< the clock, forward or back
-    std::uint64_t operation = 1;   ///< of the disk, counted from when it begins: the first that it befalls; it waits for that for kPatience_s
-    std::uint64_t operations = 1;  ///< that find the disk full
+    double lasts_s = 0.0;  ///< for faults that end a program: until its restart
+    double set_s = 0.0;    ///< step of the clock, of either sign
+    std::uint64_t operation =
+        1;  ///< of the disk, counted from the fault's beginning: the first that it may affect; the fault ends without one within kMaxWait_s
+    std::uint64_t operations = 1;  ///< number of operations that find the disk full
 };
-inline constexpr double kPatience_s = 8.0;
+inline constexpr double kMaxWait_s = 8.0;
 [[nodiscard]] constexpr bool of_disk(CellFault fault) {
     return fault >= CellFault::power_cut;
 }
 [[nodiscard]] std::string text(const PlannedFault& fault);
 
-/// One to five.
+/// Draws one to five faults.
 [[nodiscard]] std::vector<PlannedFault> draw_faults(wear::Generator& draw);
 
 }  // namespace plant_sim::simulation

@@ -26,21 +26,21 @@ CellJudge::CellJudge(const CellSetup& setup, const rig::Plan& plan, const plc::S
       valve_(setup.bridge.layout),
       top_mps_(rig::top_speed_mps(plan)) {}
 
-void CellJudge::rig_hears(const Frame& frame) {
+void CellJudge::rig_received(const Frame& frame) {
     if (frame.id != setup_.bridge.layout[Role::valve].id || valve_.accept(frame) != Role::valve) return;
-    // The command may have been on its way for as long as frames are late.
+    // The command may be delayed by as much as frames are late.
     const Time longest = duration(setup_.permission_s + 3.0 * static_cast<double>(setup_.controller.period_s)) + FaultyBus::kMaxLate;
     if (valve_.view().controller.current_mA > setup_.controller.valve.safe_current_mA + 0.01F && frame.received - permission_.granted() > longest)
         violated_(fmt::format("{:.2f} mA, {:.3f} s after the last permission", valve_.view().controller.current_mA,
                               seconds(frame.received - permission_.granted())));
 }
 
-void CellJudge::look(const CellNow& cell) {
+void CellJudge::check(const CellNow& cell) {
     const Time now = cell.now;
     if (cell.open != open_) opened_ = now;
     open_ = cell.open;
     if (cell.loop_lives && cell.plc_answers) bridge_seen_ = now;
-    // A loop that was away sees it at its next step.
+    // A loop that was stopped notices it at its next step.
     if (cell.plc_answers || !cell.loop_lives) plc_answered_ = now;
     if (cell.controller_lives || !cell.loop_lives) controller_lived_ = now;
     if (cell.sequencer != nullptr && cell.sequencer->phase() >= Phase::spin_up && cell.sequencer->phase() <= Phase::standstill) {
@@ -50,7 +50,7 @@ void CellJudge::look(const CellNow& cell) {
     }
     machines(cell);
     if (rig_.rig().wheel().v_mps > top_mps_ + 0.1) violated_(fmt::format("the flywheel runs at {:.2f} m/s", rig_.rig().wheel().v_mps));
-    // Valve and line let go within half a second.
+    // Valve and line release within half a second.
     const Time longest = duration(setup_.permission_s + 0.5) + FaultyBus::kMaxLate + ServeNode::kDriverWatchdog;
     if (rig_.rig().pressure_Pa() > 2.0 * plan_.pressure_gone_Pa && now - permission_.granted() > longest)
         violated_(
@@ -61,7 +61,7 @@ void CellJudge::machines(const CellNow& cell) {
     const plc::MachineCommands& machines = rig_.plc().commands();
     if (!machines.drive && !machines.advance && !machines.load) return;
     if (open_ != 0 && cell.now - opened_ > duration(2.0 * plc::ServedRig::kScan_s)) violated_("drive, sledge or load is on with an interlock open");
-    // A client whose main loop hangs moves its watchdog for the user time-out; the PLC takes its time-out, and both their rounds.
+    // A client whose main loop hangs keeps its watchdog counting for the user timeout; then come the PLC's timeout and one round of both.
     const rig::RegisterMap& map = setup_.bridge.map;
     const Time until_trip = map.bridge_timeout + map.link.user_timeout + map.link.poll + duration(2.0 * plc::ServedRig::kScan_s);
     if (cell.now - bridge_seen_ > until_trip) violated_("drive, sledge or load is on without a bridge");

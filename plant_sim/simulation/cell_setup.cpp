@@ -32,11 +32,11 @@ CellOutcome& CellOutcome::operator+=(const CellOutcome& other) {
     damaged += other.damaged;
     operations += other.operations;
     simulated_s += other.simulated_s;
-    frames_struck += other.frames_struck;
-    requests_struck += other.requests_struck;
+    faulted_frames += other.faulted_frames;
+    faulted_requests += other.faulted_requests;
     for (const auto& [cause, count] : other.aborts) aborts[cause] += count;
     for (std::size_t i = 0; i < begun.size(); ++i) begun.at(i) += other.begun.at(i);
-    for (std::size_t i = 0; i < disk_struck.size(); ++i) disk_struck.at(i) += other.disk_struck.at(i);
+    for (std::size_t i = 0; i < disk_fault_counts.size(); ++i) disk_fault_counts.at(i) += other.disk_fault_counts.at(i);
     return *this;
 }
 

@@ -1,4 +1,4 @@
-/// The controller's program without its thread and clock: a period of its loop at a time.
+/// The controller's program without its thread and clock: each call is one period of its loop.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@ namespace plant_sim::simulation {
 
 class ControllerProgram {
   public:
-    /// All but `period` must outlive it. It does not run yet.
+    /// All arguments but `period` must outlive it. The program is not started.
     ControllerProgram(const antiskid::control::Config& config, const antiskid::can::Layout& layout, antiskid::control::Time period,
                       antiskid::can::Bus& bus)
         : config_(config), layout_(layout), period_(period), bus_(bus) {}
 
     void kill() { controller_.reset(); }
     [[nodiscard]] bool runs() const { return controller_.has_value(); }
-    /// A period in which it stands.
+    /// A period in which the program is stopped.
     void miss() { ++missed_; }
-    /// One in which it runs; starts it where it does not.
+    /// A period in which the program runs; starts it if needed.
     void period(antiskid::control::Time now);
 
   private:

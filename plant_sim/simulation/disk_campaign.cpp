@@ -41,72 +41,72 @@ Summary summary_of(const Attempt& attempt, std::string outcome) {
 
 class DiskCampaign {
   public:
-    DiskCampaign(std::uint64_t seed, const Hands& hands, const DiskTrace& trace)
-        : hands_(hands),
+    DiskCampaign(std::uint64_t seed, const DiskCampaignSetup& setup, const DiskTrace& trace)
+        : setup_(setup),
           trace_(trace),
           draw_(wear::generator_of(seed, 0)),
           planned_(static_cast<std::int64_t>(2 + below(4))),
-          disk_(std::make_shared<SimulatedDisk>(seed, trace, hands.lapse)),
-          storage_(hands.storage(disk_)),
-          books_(disk_, hands.reading) {}
+          disk_(std::make_shared<SimulatedDisk>(seed, trace, setup.deviation)),
+          storage_(setup.storage(disk_)),
+          audit_(disk_, setup.reading) {}
 
     CampaignOutcome run() {
         const std::uint64_t failing = 1 + below(6);
         for (std::uint64_t start = 0; start < failing && !complete_; ++start) {
-            strike();
+            inject();
             once();
         }
-        disk_->calm();
-        constexpr int kClean = 2;  // a refusal that the first one is still told of
+        disk_->clear_faults();
+        constexpr int kClean = 2;  // an earlier refusal may still be reported to the first one
         for (int i = 0; i < kClean && !complete_; ++i) once();
         if (!complete_) violated("the campaign does not come to its end though nothing fails any more");
-        tell("power cut at rest");
+        trace_line("power cut at rest");
         restart();
         check();
         out_.operations = disk_->operations();
-        out_.struck = disk_->struck();
-        out_.damaged = books_.damaged();
+        out_.fault_counts = disk_->fault_counts();
+        out_.damaged = audit_.damaged();
         return std::move(out_);
     }
 
   private:
     std::uint64_t below(std::uint64_t bound) { return draw_() % bound; }
-    void tell(const std::string& line) const {
+    void trace_line(const std::string& line) const {
         if (trace_) trace_(line);
     }
     void violated(const std::string& what) {
-        tell("VIOLATION: " + what);
+        trace_line("VIOLATION: " + what);
         out_.violations.push_back(what);
     }
-    [[nodiscard]] rig::record::LedgerOptions options() const { return {.durable = hands_.durable, .busy_timeout_ms = 0, .storage = storage_}; }
+    [[nodiscard]] rig::record::LedgerOptions options() const { return {.durable = setup_.durable, .busy_timeout_ms = 0, .storage = storage_}; }
 
-    void strike() {
+    void inject() {
         constexpr std::uint64_t kOperations = 60;  // of one maneuver, about
         const auto when = [this] { return 1 + below(kOperations * static_cast<std::uint64_t>(planned_)); };
-        if (below(3) != 0) disk_->strike(when(), below(3) == 0 ? DiskFault::kill : DiskFault::power_cut);
+        if (below(3) != 0) disk_->inject(when(), below(3) == 0 ? DiskFault::kill : DiskFault::power_cut);
         if (below(2) != 0) return;
         const auto fault = static_cast<DiskFault>(2 + below(3));
-        disk_->strike(when(), fault, fault == DiskFault::no_space ? 1 + below(30) : 1);
+        disk_->inject(when(), fault, fault == DiskFault::no_space ? 1 + below(30) : 1);
     }
 
-    /// The program, until it ends; and what it has left.
+    /// One run of the program, and the check of what it left.
     void once() {
         ++out_.starts;
-        tell(fmt::format("start {}", out_.starts));
+        trace_line(fmt::format("start {}", out_.starts));
         try {
             life();
         } catch (const std::runtime_error& error) {  // LedgerError, settings::Error, a recording that cannot be made
-            tell(fmt::format("the program ends: {}", error.what()));
+            trace_line(fmt::format("the program ends: {}", error.what()));
             if (disk_->runs()) ++out_.refusals;
         }
         if (!disk_->runs()) restart();
-        disk_->calm();
+        disk_->clear_faults();
         check();
     }
 
     void restart() {
         disk_->restart();
-        tell("everything starts again");
+        trace_line("everything starts again");
     }
 
     void life() {
@@ -116,52 +116,52 @@ class DiskCampaign {
         (void)ledger.open_campaign(campaign, rig::record::IfChanged::reject, [this](const Attempt& left) { return meter(left); });
         while (const auto number = ledger.next_number()) {
             const Attempt attempt = ledger.begin(*number, "2026");
-            books_.begun(attempt);
+            audit_.begun(attempt);
             ++out_.maneuvers;
-            tell(fmt::format("maneuver {} begins, attempt {}", attempt.number, attempt.attempt));
+            trace_line(fmt::format("maneuver {} begins, attempt {}", attempt.number, attempt.attempt));
             if (!maneuver(ledger, attempt)) return;
         }
         complete_ = true;
     }
 
-    /// False: its record is not whole, and the program ends.
+    /// False: the record is incomplete, and the program ends.
     bool maneuver(rig::record::Ledger& ledger, const Attempt& attempt) {
         Summary summary = summary_of(attempt, "finished");
-        const double taken_J = hands_.taken_J(ledger);
+        const double taken_J = setup_.taken_J(ledger);
         const std::string lost = record(attempt);
-        summary.frames = books_.of(attempt).frames.size();
+        summary.frames = audit_.of(attempt).frames.size();
         summary.figures.energy_brake_J = static_cast<double>(summary.frames);
-        books_.of(attempt).measured_J.insert(summary.figures.energy_brake_J);
+        audit_.of(attempt).measured_J.insert(summary.figures.energy_brake_J);
         summary.cumulative_energy_J = taken_J + summary.figures.energy_brake_J;
-        if (!lost.empty() && !hands_.counts_lost) {
-            tell("the record is lost: " + lost);
+        if (!lost.empty() && !setup_.counts_lost) {
+            trace_line("the record is lost: " + lost);
             summary.outcome = rig::record::kRecordLost;
             ledger.mark_unfinished(summary);
             return false;
         }
         rig::record::write_summary(attempt.folder / "summary.json", summary, *storage_);
-        if (hands_.says_early) say_finished(attempt, summary);
+        if (setup_.says_early) say_finished(attempt, summary);
         try {
             ledger.finish(summary);
         } catch (const rig::record::LedgerInDoubt&) {
             throw;
         } catch (const rig::record::LedgerError&) {
-            books_.refused(attempt);
+            audit_.refused(attempt);
             throw;
         }
         say_finished(attempt, summary);
         return true;
     }
 
-    /// A dead program says nothing.
+    /// A dead program reports nothing.
     void say_finished(const Attempt& attempt, const Summary& summary) {
-        books_.finished(attempt, summary.figures.energy_brake_J);
-        if (disk_->runs()) tell(fmt::format("maneuver {} finished, {} J", attempt.number, summary.frames));
+        audit_.finished(attempt, summary.figures.energy_brake_J);
+        if (disk_->runs()) trace_line(fmt::format("maneuver {} finished, {} J", attempt.number, summary.frames));
     }
 
-    /// Why the record is not whole; empty where it is.
+    /// Reason why the record is incomplete; empty: it is complete.
     std::string record(const Attempt& attempt) {
-        CampaignBooks::Known& known = books_.of(attempt);
+        CampaignAudit::Known& known = audit_.of(attempt);
         auto file = std::make_unique<rig::record::AppendFile>(attempt.folder / "bus.log", *storage_);
         rig::record::AppendFile& lines = *file;
         rig::record::BusLog log(std::move(file), "can0");
@@ -171,33 +171,33 @@ class DiskCampaign {
             known.frames.push_back(made_frame(attempt, i));
             if (known.frames.size() % kSynced_frames != 0) continue;
             lines.sync();
-            if (log.error().empty()) books_.synced(attempt);
+            if (log.error().empty()) audit_.synced(attempt);
         }
-        if (log.finish()) books_.synced(attempt);
+        if (log.finish()) audit_.synced(attempt);
         return log.error();
     }
 
     std::optional<Summary> meter(const Attempt& left) {
         if (!std::filesystem::exists(storage_->status(left.folder / "bus.log"))) return std::nullopt;
-        const ReadLog log = books_.read(left);
+        const ReadLog log = audit_.read(left);
         Summary summary = summary_of(left, "unfinished");
         summary.figures.energy_brake_J = static_cast<double>(log.frames);
         summary.frames = log.frames;
-        books_.of(left).measured_J.insert(summary.figures.energy_brake_J);
+        audit_.of(left).measured_J.insert(summary.figures.energy_brake_J);
         return summary;
     }
 
     void check() {
-        for (const std::string& violation : books_.check()) violated(violation);
+        for (const std::string& violation : audit_.check()) violated(violation);
     }
 
-    const Hands& hands_;
+    const DiskCampaignSetup& setup_;
     const DiskTrace& trace_;
     wear::Generator draw_;
     std::int64_t planned_;
     std::shared_ptr<const SimulatedDisk> disk_;
     std::shared_ptr<const settings::Storage> storage_;
-    CampaignBooks books_;
+    CampaignAudit audit_;
     CampaignOutcome out_;
     bool complete_ = false;
 };
@@ -211,12 +211,12 @@ CampaignOutcome& CampaignOutcome::operator+=(const CampaignOutcome& other) {
     operations += other.operations;
     damaged += other.damaged;
     refusals += other.refusals;
-    for (std::size_t i = 0; i < struck.size(); ++i) struck.at(i) += other.struck.at(i);
+    for (std::size_t i = 0; i < fault_counts.size(); ++i) fault_counts.at(i) += other.fault_counts.at(i);
     return *this;
 }
 
-CampaignOutcome run_disk_campaign(std::uint64_t seed, const Hands& hands, const DiskTrace& trace) {
-    return DiskCampaign(seed, hands, trace).run();
+CampaignOutcome run_disk_campaign(std::uint64_t seed, const DiskCampaignSetup& setup, const DiskTrace& trace) {
+    return DiskCampaign(seed, setup, trace).run();
 }
 
 }  // namespace plant_sim::simulation

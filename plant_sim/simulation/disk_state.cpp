@@ -35,15 +35,15 @@ std::optional<DiskFault> DiskState::next(Kind kind) {
     if (paused) return std::nullopt;
     ++operations;
     ++since_restart;
-    for (auto strike = strikes.begin(); strike != strikes.end(); ++strike) {
-        if (since_restart < strike->at) continue;
-        const DiskFault fault = strike->fault;
+    for (auto due = pending.begin(); due != pending.end(); ++due) {
+        if (since_restart < due->at) continue;
+        const DiskFault fault = due->fault;
         if (fault == DiskFault::no_space && kind != Kind::write && kind != Kind::create) continue;
         if (fault == DiskFault::short_write && kind != Kind::write) continue;
         const bool ends = fault == DiskFault::power_cut || fault == DiskFault::kill;
         if (kind == Kind::must_not_fail && !ends) continue;
-        ++struck.at(static_cast<std::size_t>(fault));
-        if (--strike->lasts == 0) strikes.erase(strike);
+        ++fault_counts.at(static_cast<std::size_t>(fault));
+        if (--due->lasts == 0) pending.erase(due);
         runs = runs && !ends;
         killed_ = fault == DiskFault::kill;
         return fault;
@@ -174,16 +174,16 @@ void DiskState::kill() {
 }
 
 void DiskState::restart() {
-    if (runs) ++struck.at(static_cast<std::size_t>(DiskFault::power_cut));
+    if (runs) ++fault_counts.at(static_cast<std::size_t>(DiskFault::power_cut));
     if (!std::exchange(killed_, false)) lose_cache();
     held.clear();
-    strikes.clear();
+    pending.clear();
     since_restart = 0;
     runs = true;
 }
 
 void DiskState::lose_cache() {
-    // Of a disk that was idle long before all is there, of one in the middle of its work a part.
+    // A disk that was idle has everything, one that was writing a part.
     constexpr std::array kShares{0.0, 0.5, 0.9, 1.0};
     const double share = kShares.at(generator() % kShares.size());
     for (const NodePointer& node : nodes_) {
@@ -193,7 +193,7 @@ void DiskState::lose_cache() {
     for (const NameChange& change : cached_names_)
         if (happens(share)) apply(change, stored_names_);
     cached_names_.clear();
-    // In order of their names, so that a directory comes before what is in it.
+    // In the order of names, so that a directory precedes its contents.
     for (auto entry = stored_names_.begin(); entry != stored_names_.end();)
         entry = stored_names_.contains(parent(entry->first)) ? std::next(entry) : stored_names_.erase(entry);
     names = stored_names_;

@@ -1,4 +1,4 @@
-/// What SimulatedDisk and its SQLite VFS share: files, names, the cache, and what strikes.
+/// State shared by SimulatedDisk and its SQLite VFS: files, names, cache and pending faults.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace plant_sim::simulation {
 
-/// A write, or where `cuts` a truncation to `offset`.
+/// A write to a file, or, if `cuts`, its truncation to `offset`.
 struct FileChange {
     std::size_t offset = 0;
     std::string bytes{};
@@ -23,13 +23,13 @@ struct FileChange {
 
 struct Node {
     bool directory = false;
-    std::string now{};     // as programs see it
-    std::string stored{};  // on the disk
+    std::string now{};     // content that programs see
+    std::string stored{};  // content on the disk
     std::vector<FileChange> cached{};
 };
 using NodePointer = std::shared_ptr<Node>;
 
-/// `removed` and `added` may be empty; both are in one directory.
+/// A change of a directory; `removed` and `added` are names in it and may be empty.
 struct NameChange {
     std::string directory;
     std::string removed{};
@@ -37,7 +37,7 @@ struct NameChange {
     NodePointer node{};
 };
 
-struct Strike {
+struct PendingFault {
     std::uint64_t at;
     DiskFault fault;
     std::uint64_t lasts;
@@ -47,14 +47,14 @@ struct DiskState {
     DiskState(std::uint64_t seed, DiskTrace sink);
 
     [[nodiscard]] NodePointer find(const std::string& path) const;
-    /// Counts how many bytes, or the negative of an errno.
+    /// Returns the number of bytes written, or a negative errno.
     std::int64_t write(Node& node, const std::string& path, std::size_t offset, std::string_view bytes);
     int truncate(Node& node, const std::string& path, std::size_t size);
     int sync(Node& node, const std::string& path);
     int make(const std::string& path, bool directory);
     int remove(const std::string& path);
     int rename(const std::string& from, const std::string& to);
-    /// `refusable`: only a power cut or a kill befalls it otherwise.
+    /// `refusable`: whether the operation may be refused; otherwise only a power cut or a kill affects it.
     int sync_directory(const std::string& path, bool refusable = true);
     void restart();
     void kill();
@@ -65,21 +65,21 @@ struct DiskState {
     std::size_t sector;
     bool runs = true;
     bool paused = false;
-    SqliteLapse lapse = SqliteLapse::none;
+    SqliteDeviation deviation = SqliteDeviation::none;
     std::uint64_t operations = 0;
     std::uint64_t since_restart = 0;
-    std::vector<Strike> strikes{};
-    std::array<std::uint64_t, kDiskFaultNames.size()> struck{};
+    std::vector<PendingFault> pending{};
+    std::array<std::uint64_t, kDiskFaultNames.size()> fault_counts{};
     std::map<std::string, NodePointer> names{};
     std::set<std::string> held{};
     std::shared_ptr<AllocationGate> gate = std::make_shared<AllocationGate>();
 
   private:
     enum class Kind : std::uint8_t { write, create, sync, must_not_fail, other };
-    /// The fault that befalls this operation, if one does.
+    /// The fault that affects this operation, if any.
     std::optional<DiskFault> next(Kind kind);
     int said(std::string_view what, const std::string& path, int error) const;
-    /// A create, rename or removal.
+    /// Creates, renames or removes.
     int change_name(Kind kind, std::string_view what, const NameChange& change);
     void apply(const NameChange& change, std::map<std::string, NodePointer>& to) const;
     void keep_some(Node& node, double share);
@@ -89,10 +89,10 @@ struct DiskState {
     bool killed_ = false;
     std::map<std::string, NodePointer> stored_names_{};
     std::vector<NameChange> cached_names_{};
-    std::vector<NodePointer> nodes_{};  // oldest first: that a cut draws for them in the same order
+    std::vector<NodePointer> nodes_{};  // oldest first: a power cut draws for them in a reproducible order
 };
 
-/// Its VFS under `name`, until it goes.
+/// Registers the disk's VFS with SQLite as `name`, for its lifetime.
 class DiskVfs {
   public:
     DiskVfs(DiskState& state, std::string name);

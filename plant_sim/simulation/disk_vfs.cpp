@@ -1,9 +1,8 @@
-// SQLite's files on a simulated disk. What its own unix VFS does with syncs of directories is done here, too: after the first sync of a journal, made
-// or found there, where a failure is let be, and after a removal that asks for it.
+// SQLite's files on a simulated disk. Directories are synced as by SQLite's unix VFS: after the first sync of a journal that was created or found
+// there, ignoring a failure, and after a removal if SQLite requests it.
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <new>
@@ -16,7 +15,7 @@ namespace plant_sim::simulation {
 namespace {
 
 struct OpenFile {
-    sqlite3_file base;  // SQLite takes the whole for one of these
+    sqlite3_file base;  // SQLite uses the object through this member
     DiskState* disk;
     NodePointer node;
     std::string path;
@@ -80,7 +79,7 @@ int sync_file(sqlite3_file* file, int /*flags*/) {
     const auto scope = open.disk->gate->simulation();
     if (open.disk->sync(*open.node, open.path) != 0) return SQLITE_IOERR_FSYNC;
     if (std::exchange(open.names_new, false))
-        (void)open.disk->sync_directory(directory_of(open.path), open.disk->lapse == SqliteLapse::journal_name_unnoticed);
+        (void)open.disk->sync_directory(directory_of(open.path), open.disk->deviation == SqliteDeviation::journal_name_unnoticed);
     return SQLITE_OK;
 }
 
@@ -89,7 +88,7 @@ int file_size(sqlite3_file* file, sqlite3_int64* size) {
     return of(file).disk->runs ? SQLITE_OK : SQLITE_IOERR_FSTAT;
 }
 
-// One process: Storage::hold() keeps a second one out.
+// No locks: only one process, since Storage::hold() excludes a second.
 int lock_file(sqlite3_file* /*file*/, int /*level*/) {
     return SQLITE_OK;
 }
@@ -100,7 +99,7 @@ int check_lock(sqlite3_file* /*file*/, int* held) {
 int control(sqlite3_file* /*file*/, int /*what*/, void* /*value*/) {
     return SQLITE_NOTFOUND;
 }
-// Both as the unix VFS says of an ordinary file system.
+// Both as in the unix VFS for an ordinary file system.
 int sector_size(sqlite3_file* /*file*/) {
     return 4096;
 }
@@ -153,7 +152,7 @@ int delete_file(sqlite3_vfs* vfs, const char* name, int sync_directory) {
     DiskState& disk = of(vfs);
     const auto scope = disk.gate->simulation();
     if (const int error = disk.remove(name); error != 0) return error == ENOENT ? SQLITE_IOERR_DELETE_NOENT : SQLITE_IOERR_DELETE;
-    return sync_directory != 0 && disk.lapse != SqliteLapse::removal_not_synced && disk.sync_directory(directory_of(name)) != 0
+    return sync_directory != 0 && disk.deviation != SqliteDeviation::removal_not_synced && disk.sync_directory(directory_of(name)) != 0
                ? SQLITE_IOERR_DIR_FSYNC
                : SQLITE_OK;
 }
@@ -208,7 +207,7 @@ DiskVfs::DiskVfs(DiskState& state, std::string name) : name_(std::move(name)), r
     vfs.xCurrentTime = current_time;
     vfs.xGetLastError = last_error;
     sqlite3_vfs_register(&vfs, 0);
-    // What SQLite draws goes into the bytes of a journal: the same in every run.
+    // SQLite's random numbers are part of a journal's bytes: they must be the same in every run.
     sqlite3_test_control(SQLITE_TESTCTRL_PRNG_SEED, 1, nullptr);
 }
 

@@ -14,8 +14,8 @@ using rig::record::RowState;
 namespace {
 
 constexpr Time kStep{100'000'000};
-// The load cells' way through the PLC is some 20 ms: it costs 3 % of a stop that lasts a second, and where the PLC falls silent in it, the last
-// reading stands in for up to half a second.
+// The load cells are about 20 ms late through the PLC, which is 3 % of a stop of one second; if the PLC falls silent during it, the last reading is
+// used for up to half a second.
 constexpr double kFinishedOff = 0.05;
 constexpr double kElseOff = 0.1;
 constexpr Time kUnwritten{1'300'000'000};  // files are synced each second, written each 0.1 s
@@ -37,7 +37,7 @@ bool warned(const std::vector<std::string>& warnings, std::string_view of) {
 
 }  // namespace
 
-void EnergyAccount::pass(Time now, double taken_J) {
+void EnergyAccount::advance(Time now, double taken_J) {
     taken_J_ = taken_J;
     if (!lately_.empty() && now - lately_.back().at < kStep) return;
     lately_.push_back({.at = now, .taken_J = taken_J});
@@ -62,7 +62,7 @@ std::vector<std::string> EnergyAccount::check(std::span<const LedgerRow> rows) c
         const double taken_J = (i + 1 < attempts_.size() ? attempts_[i + 1].before_J : taken_J_) - attempt.before_J;
         const double sure_J = attempt.sure_J ? *attempt.sure_J - attempt.before_J : taken_J;
         const double unknown_J = named_J(row->summary.warnings);
-        // What a bridge could not know of it is named for a person to amend.
+        // Energy that a bridge could not know is reported, so that a person can amend it.
         if (warned(row->summary.warnings, rig::record::kEnergyUnbalanced)) continue;
         const double off_J = row->state == RowState::finished ? kFinishedOff * taken_J : kElseOff * landing_J_;
         const bool damaged = warned(row->summary.warnings, "log_damaged");

@@ -1,4 +1,4 @@
-/// What the rig's brake really took in each attempt, against what the ledger has of it.
+/// Compares the energy that the rig's brake took in each attempt with the ledger.
 #pragma once
 
 #include <deque>
@@ -15,24 +15,24 @@ namespace plant_sim::simulation {
 
 class EnergyAccount {
   public:
-    /// `landing_J`: what the brake takes in one that nothing disturbs, about.
+    /// `landing_J`: approximate energy of an undisturbed landing.
     explicit EnergyAccount(double landing_J) : landing_J_(landing_J) {}
 
-    /// In every period; `taken_J` is of the brake's whole life, here and below.
-    void pass(antiskid::control::Time now, double taken_J);
-    /// Its recording begins: what the brake takes until the next one does is of this attempt.
+    /// Call in every period. `taken_J`: energy of the brake's whole life.
+    void advance(antiskid::control::Time now, double taken_J);
+    /// Call when an attempt's recording begins. The brake's energy up to the next such call belongs to this attempt.
     void begun(const std::filesystem::path& folder) { attempts_.push_back({.folder = folder, .before_J = taken_J_}); }
-    /// A bridge dies, and with the power the end of its recording.
+    /// Call when a bridge ends; a power cut may lose the end of its recording.
     void bridge_ended();
 
-    /// Which of the rows do not fit.
+    /// Rows whose energy is wrong, as text.
     [[nodiscard]] std::vector<std::string> check(std::span<const rig::record::LedgerRow> rows) const;
 
   private:
     struct Attempt {
         std::filesystem::path folder;
         double before_J = 0.0;
-        std::optional<double> sure_J{};  ///< until what is written for certain, where its bridge died
+        std::optional<double> sure_J{};  ///< for an attempt whose bridge died: `taken_J` up to which the recording is certainly written
     };
     struct Sample {
         antiskid::control::Time at{};

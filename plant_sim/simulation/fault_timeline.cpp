@@ -15,11 +15,11 @@ void FaultTimeline::reached(rig::Phase phase, std::int64_t attempt, Time now) {
         if (!fault.begins && fault.planned.phase == phase && attempt >= fault.planned.attempt) fault.begins = now + duration(fault.planned.after_s);
 }
 
-bool FaultTimeline::pass(Time now, const Change& change) {
+bool FaultTimeline::advance(Time now, const Change& change) {
     bool changed = false;
     for (Fault& fault : faults_) {
         if (!fault.begins || fault.over) continue;
-        const double lasts_s = of_disk(fault.planned.fault) ? kPatience_s : fault.planned.lasts_s;
+        const double lasts_s = of_disk(fault.planned.fault) ? kMaxWait_s : fault.planned.lasts_s;
         const bool active = now >= *fault.begins && now < *fault.begins + duration(lasts_s);
         if (active == fault.active) continue;
         changed = true;

@@ -1,4 +1,4 @@
-/// Which of the planned faults are there now.
+/// Determines which of the planned faults are active.
 #pragma once
 
 #include <cmath>
@@ -18,15 +18,15 @@ namespace plant_sim::simulation {
 
 class FaultTimeline {
   public:
-    /// `begins`: else it is over.
+    /// `begins`: false if the fault ends.
     using Change = std::function<void(const PlannedFault& fault, bool begins)>;
 
     explicit FaultTimeline(std::span<const PlannedFault> faults);
 
-    /// Times the faults that wait for this phase of this attempt.
+    /// Call when a phase begins: sets the start time of the faults that wait for it.
     void reached(rig::Phase phase, std::int64_t attempt, antiskid::control::Time now);
-    /// False: nothing has changed by `now`.
-    bool pass(antiskid::control::Time now, const Change& change);
+    /// Advances to `now` and calls `change` for each fault that begins or ends. False: none did.
+    bool advance(antiskid::control::Time now, const Change& change);
 
     [[nodiscard]] bool any() const;
     [[nodiscard]] std::vector<PlannedFault> active() const;

@@ -37,20 +37,20 @@ void FaultyBus::End::set_up(bool up) {
 }
 
 void FaultyBus::End::take(const Frame& frame, const End& from) {
-    if (deaf_ || !status_.up) return;
+    if (send_only_ || !status_.up) return;
     Travelling one{.frame = frame};
     one.frame.received = bus_.now_;
     if (&from == neighbour_) return insert(one);
-    const auto struck = [this](FrameFault fault) {
+    const auto occurs = [this](FrameFault fault) {
         const double share = shares_.at(static_cast<std::size_t>(fault));
         if (share == 0.0 || wear::uniform(bus_.draw_) >= share) return false;
-        ++bus_.struck_.at(static_cast<std::size_t>(fault));
+        ++bus_.fault_counts_.at(static_cast<std::size_t>(fault));
         return true;
     };
-    if (struck(FrameFault::lost)) return;
-    if (struck(FrameFault::late))
+    if (occurs(FrameFault::lost)) return;
+    if (occurs(FrameFault::late))
         one.frame.received += Time(static_cast<std::int64_t>(wear::uniform(bus_.draw_) * static_cast<double>(kMaxLate.count())));
-    if (frame.length > 0 && struck(FrameFault::damaged)) {
+    if (frame.length > 0 && occurs(FrameFault::damaged)) {
         one.damaged = true;
         constexpr std::uint64_t kMaxBits = 3;
         const std::uint64_t bits = 1 + bus_.draw_() % kMaxBits;
@@ -62,7 +62,7 @@ void FaultyBus::End::take(const Frame& frame, const End& from) {
         }
     }
     insert(one);
-    if (struck(FrameFault::doubled)) insert(one);
+    if (occurs(FrameFault::doubled)) insert(one);
 }
 
 void FaultyBus::End::insert(const Travelling& one) {

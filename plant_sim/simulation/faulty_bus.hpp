@@ -1,20 +1,19 @@
-/// A CAN bus on a simulated clock, whose frames are lost, late, doubled or damaged on their way to one of its ends.
+/// A CAN bus on a simulated clock whose frames may be lost, late, doubled or damaged on their way to a receiver.
 ///
-/// One thread. What strikes is drawn from the generator that is handed in, in the order of the frames: same calls, same frames.
+/// For one thread. Faults are drawn from the given generator in the order of the frames: the same calls give the same frames.
 #pragma once
 
 #include <array>
 #include <deque>
 #include <functional>
-#include <string_view>
 
 #include "firmware/can/bus.hpp"
 #include "rig_bridge/wear/draw.hpp"
 
 namespace plant_sim::simulation {
 
-/// `late`: by up to kMaxLate, so that others overtake it. `damaged`: one to three bits of its data, which a CRC of 8 bits
-/// shows, but for a fiftieth of the frames of four bytes.
+/// `late`: by up to kMaxLate, so that other frames overtake it. `damaged`: one to three bits of the data change, which a CRC of 8 bits detects in all
+/// but a fiftieth of the frames of four bytes.
 enum class FrameFault : std::uint8_t { lost, late, doubled, damaged };
 inline constexpr std::size_t kFrameFaults = 4;
 
@@ -24,56 +23,57 @@ class FaultyBus {
 
     class End final : public antiskid::can::Bus {
       public:
-        End(FaultyBus& bus, bool deaf) : bus_(bus), deaf_(deaf) {}
+        End(FaultyBus& bus, bool send_only) : bus_(bus), send_only_(send_only) {}
         std::size_t receive(std::span<antiskid::can::Frame> frames) override;
         bool send(const antiskid::can::Frame& frame) override;
-        /// Whether a frame is there; time does not pass here.
+        /// Whether a frame can be received. No time passes.
         bool wait(antiskid::can::Time timeout) override;
         [[nodiscard]] antiskid::can::LinkStatus status() const override { return status_; }
 
-        /// Neither sends nor receives while it is down; what was on its way to it is gone.
+        /// While it is down it neither sends nor receives; frames under way to it are lost.
         void set_up(bool up);
-        /// Of the frames to this end, as they are sent, `share` suffer `fault`.
-        void strike(FrameFault fault, double share) { shares_.at(static_cast<std::size_t>(fault)) = share; }
-        void calm() { shares_.fill(0.0); }
-        /// Frames of `sender` come whole: both are sockets of one computer, whose kernel echoes what it has sent.
+        /// Sets the share of the frames sent to this end that get `fault`.
+        void set_share(FrameFault fault, double share) { shares_.at(static_cast<std::size_t>(fault)) = share; }
+        void clear_faults() { shares_.fill(0.0); }
+        /// Frames of `sender` always arrive undamaged: both ends are sockets of one computer, whose kernel echoes the frames.
         void on_computer_of(const End& sender) { neighbour_ = &sender; }
 
       private:
         friend class FaultyBus;
+        /// A frame under way.
         struct Travelling {
-            antiskid::can::Frame frame;  // received: when it arrives
+            antiskid::can::Frame frame;  // `received`: its arrival time
             bool damaged = false;
         };
         void take(const antiskid::can::Frame& frame, const End& from);
         void insert(const Travelling& one);
 
         FaultyBus& bus_;
-        bool deaf_;
+        bool send_only_;
         const End* neighbour_ = nullptr;
         std::deque<Travelling> queue_;  // earliest first
         std::array<double, kFrameFaults> shares_{};
         antiskid::can::LinkStatus status_;
     };
 
-    /// Told of each frame as an end receives it, and whether it was damaged on the way.
+    /// Called with each frame that an end receives, and whether it was damaged.
     using Witness = std::function<void(const End& end, const antiskid::can::Frame& frame, bool damaged)>;
 
     FaultyBus(wear::Generator& draw, Witness witness) : draw_(draw), witness_(std::move(witness)) {}
     FaultyBus(const FaultyBus&) = delete;
     FaultyBus& operator=(const FaultyBus&) = delete;
 
-    /// The bus owns it. `deaf`: it only sends.
-    [[nodiscard]] End& connect(bool deaf = false) { return ends_.emplace_back(*this, deaf); }
+    /// Adds an end, owned by the bus. `send_only`: it does not receive.
+    [[nodiscard]] End& connect(bool send_only = false) { return ends_.emplace_back(*this, send_only); }
     void set_time(antiskid::can::Time now) { now_ = now; }
-    [[nodiscard]] const std::array<std::uint64_t, kFrameFaults>& struck() const { return struck_; }
+    [[nodiscard]] const std::array<std::uint64_t, kFrameFaults>& fault_counts() const { return fault_counts_; }
 
   private:
     wear::Generator& draw_;
     Witness witness_;
     std::deque<End> ends_;
     antiskid::can::Time now_{};
-    std::array<std::uint64_t, kFrameFaults> struck_{};
+    std::array<std::uint64_t, kFrameFaults> fault_counts_{};
 };
 
 }  // namespace plant_sim::simulation

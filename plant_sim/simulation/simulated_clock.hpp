@@ -1,4 +1,4 @@
-/// The clocks of a computer, passed by hand.
+/// Clocks of a computer, advanced by calls.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace plant_sim::simulation {
 
-/// Monotonic, and a wall clock that is set.
+/// A monotonic clock, and a wall clock that can be set.
 class SimulatedClock final : public antiskid::host::Clock {
   public:
     using Time = antiskid::control::Time;
@@ -17,7 +17,7 @@ class SimulatedClock final : public antiskid::host::Clock {
     [[nodiscard]] Time now() override { return now_; }
     [[nodiscard]] Time time() const { return now_; }
     void sleep_until(Time /*deadline*/) override {}
-    void pass(Time period) { now_ += period; }
+    void advance(Time period) { now_ += period; }
     void set_wall(Time by) { sets_.emplace_back(now_, sets_.back().second + by); }
     [[nodiscard]] Time wall_minus_monotonic(Time at) const {
         const auto set = std::find_if(sets_.rbegin(), sets_.rend() - 1, [at](const auto& one) { return one.first <= at; });
@@ -26,7 +26,7 @@ class SimulatedClock final : public antiskid::host::Clock {
 
   private:
     Time now_{1'000'000'000};
-    std::vector<std::pair<Time, Time>> sets_{{Time{}, Time{1'764'000'000'000'000'000}}};  // since when, and to what
+    std::vector<std::pair<Time, Time>> sets_{{Time{}, Time{1'764'000'000'000'000'000}}};  // start of each offset, and the offset
 };
 
 }  // namespace plant_sim::simulation

@@ -71,8 +71,9 @@ class Hold final : public settings::File {
 
 }  // namespace
 
-SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, SqliteLapse lapse) : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {
-    state_->lapse = lapse;
+SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, SqliteDeviation deviation)
+    : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {
+    state_->deviation = deviation;
 }
 SimulatedDisk::~SimulatedDisk() = default;
 
@@ -80,12 +81,12 @@ void SimulatedDisk::use(std::shared_ptr<AllocationGate> gate) const {
     state_->gate = std::move(gate);
 }
 
-void SimulatedDisk::strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts) const {
-    state_->strikes.push_back({.at = at, .fault = fault, .lasts = lasts});
+void SimulatedDisk::inject(std::uint64_t at, DiskFault fault, std::uint64_t lasts) const {
+    state_->pending.push_back({.at = at, .fault = fault, .lasts = lasts});
 }
 
-void SimulatedDisk::strike_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts) const {
-    strike(state_->since_restart + in, fault, lasts);
+void SimulatedDisk::inject_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts) const {
+    inject(state_->since_restart + in, fault, lasts);
 }
 
 void SimulatedDisk::kill() const {
@@ -96,13 +97,13 @@ void SimulatedDisk::pause(bool on) const {
     state_->paused = on;
 }
 
-void SimulatedDisk::calm() const {
-    state_->strikes.clear();
+void SimulatedDisk::clear_faults() const {
+    state_->pending.clear();
     state_->since_restart = 0;
 }
 
-const std::array<std::uint64_t, kDiskFaultNames.size()>& SimulatedDisk::struck() const {
-    return state_->struck;
+const std::array<std::uint64_t, kDiskFaultNames.size()>& SimulatedDisk::fault_counts() const {
+    return state_->fault_counts;
 }
 
 std::uint64_t SimulatedDisk::operations() const {

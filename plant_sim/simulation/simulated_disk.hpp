@@ -1,17 +1,17 @@
-/// A disk in memory that does what disks do to programs: what was written stays in a cache until it is synced, and a power cut leaves of the rest
-/// what a seed draws.
+/// A disk in memory with the failures of real disks: written data stay in a cache until they are synced, and a power cut keeps a part of them that is
+/// drawn from a seed.
 ///
 ///     const auto disk = std::make_shared<SimulatedDisk>(seed);
-///     disk->strike(37, DiskFault::power_cut);
+///     disk->inject(37, DiskFault::power_cut);
 ///     ... write through it as settings::Storage, SQLite through sqlite_vfs() ...
 ///     if (!disk->runs()) disk->restart();   // now it holds what was left
 ///
-/// A cut keeps all that was synced. Of what was not, each sector of each write, each truncation and each change of a directory is there or not,
-/// whatever came before it; a sector may be torn: its first bytes are new. A byte that nobody wrote is never touched (SQLite's "powersafe
-/// overwrite"). A name is kept for certain by a sync of its directory alone. A failed sync throws away a drawn part of what it should have
-/// stored, and the next one says nothing of it, as Linux does.
+/// A power cut keeps all synced data. Of the rest, each sector of each write, each truncation and each change of a directory is kept or lost
+/// independently of its order; a sector may be torn, with only its first bytes new. Bytes that were not written do not change (SQLite's "powersafe
+/// overwrite"). Only a sync of its directory keeps a name for certain. A failed sync discards a drawn part of the data, and the next sync does not
+/// report that, as on Linux.
 ///
-/// One thread. SQLite opens files by the name of a VFS: two disks at a time need two names, which they have.
+/// For one thread. SQLite opens files by the name of a VFS; each disk has its own.
 #pragma once
 
 #include <array>
@@ -25,15 +25,15 @@
 
 namespace plant_sim::simulation {
 
-/// `kill`: the program dies, and the disk goes on.
+/// `kill`: the program dies, the disk goes on.
 enum class DiskFault : std::uint8_t { power_cut, kill, no_space, refused, short_write };
 inline constexpr std::array<std::string_view, 5> kDiskFaultNames{"power_cut", "kill", "no_space", "refused", "short_write"};
 
-/// What SQLite does otherwise than asked. `journal_name_unnoticed` is no mistake of ours: its unix VFS lets it be when the sync of a new journal's
-/// directory is refused, and a power cut in the same commit may then damage the database. Else that sync is not refused.
-enum class SqliteLapse : std::uint8_t { none, journal_name_unnoticed, removal_not_synced };
+/// Deviations of SQLite. `journal_name_unnoticed` is SQLite's own behaviour: its unix VFS ignores a refused sync of a new journal's directory, after
+/// which a power cut in the same commit may damage the database. Without it that sync is never refused.
+enum class SqliteDeviation : std::uint8_t { none, journal_name_unnoticed, removal_not_synced };
 
-/// Takes a line for each operation that changes something.
+/// Called with a line for each operation that changes something.
 using DiskTrace = std::function<void(const std::string& line)>;
 
 class AllocationGate;
@@ -41,34 +41,34 @@ struct DiskState;
 
 class SimulatedDisk final : public settings::Storage {
   public:
-    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, SqliteLapse lapse = SqliteLapse::none);
+    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, SqliteDeviation deviation = SqliteDeviation::none);
     ~SimulatedDisk() override;
 
-    /// What the disk itself allocates is the simulation's.
+    /// Marks the disk's own allocations as the simulation's.
     void use(std::shared_ptr<AllocationGate> gate) const;
 
-    /// From the `at`-th changing operation since the newest restart(), counted from 1, the first that `fault` can befall. Of `no_space`: for
-    /// `lasts` of them.
-    void strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
-    /// The same, counted from now on.
-    void strike_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts = 1) const;
-    /// The program dies now, and not by an operation of the disk.
+    /// Schedules a fault for the first operation that it can affect, from the `at`-th changing operation after the newest restart() on, counted from
+    /// 1. `lasts`: number of operations affected by `no_space`.
+    void inject(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
+    /// The same, counted from the present operation.
+    void inject_soon(std::uint64_t in, DiskFault fault, std::uint64_t lasts = 1) const;
+    /// Kills the program now, outside of any operation.
     void kill() const;
-    /// Meanwhile nothing strikes, and no operation counts.
+    /// While paused, operations are not counted and no fault occurs.
     void pause(bool on) const;
-    /// Takes back what has not struck yet, and counts operations from here.
-    void calm() const;
-    /// What has struck, by kind.
-    [[nodiscard]] const std::array<std::uint64_t, kDiskFaultNames.size()>& struck() const;
-    [[nodiscard]] std::uint64_t operations() const;  ///< of its whole life
+    /// Removes pending faults and restarts the count of operations.
+    void clear_faults() const;
+    /// Number of faults that occurred, by kind.
+    [[nodiscard]] const std::array<std::uint64_t, kDiskFaultNames.size()>& fault_counts() const;
+    [[nodiscard]] std::uint64_t operations() const;  ///< since construction
 
-    /// False after a power cut or a kill: every operation fails.
+    /// False after a power cut or a kill; every operation then fails.
     [[nodiscard]] bool runs() const;
-    [[nodiscard]] bool power_cut() const;  ///< that is why
-    /// The next program can begin. Cuts the power first where no strike has ended the one before.
+    [[nodiscard]] bool power_cut() const;  ///< whether a power cut is the reason
+    /// Lets the next program begin. Cuts the power first if the previous program has not ended by a fault.
     void restart() const;
 
-    /// Of a file as a program reads it now, without the copies that reading makes; until anything is changed. Empty: there is none.
+    /// Present content of a file, without the copies that reading makes; valid until anything is changed. Empty: there is no such file.
     [[nodiscard]] std::string_view bytes(const std::filesystem::path& path) const;
 
     [[nodiscard]] settings::Opened open(const std::filesystem::path& path) const override;

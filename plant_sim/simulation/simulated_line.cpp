@@ -27,10 +27,10 @@ SimulatedLine::SimulatedLine(rig::modbus::RegisterBank& bank, const rig::LinkTim
     modbus_set_response_timeout(context_.get(), 0, 1);  // libmodbus waits for it before it sends some of its exceptions
 }
 
-bool SimulatedLine::strikes(RequestFault fault) {
+bool SimulatedLine::occurs(RequestFault fault) {
     const auto i = static_cast<std::size_t>(fault);
     if (state_.shares.at(i) == 0.0 || wear::uniform(draw_) >= state_.shares.at(i)) return false;
-    ++state_.struck.at(i);
+    ++state_.fault_counts.at(i);
     return true;
 }
 
@@ -48,17 +48,17 @@ void SimulatedLine::answer(std::span<const std::uint8_t> request) {
     const auto got = ::recv(pair_[1].get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (got <= 0) return;
     bytes.resize(static_cast<std::size_t>(got));
-    if (strikes(RequestFault::answer_damaged)) {
+    if (occurs(RequestFault::answer_damaged)) {
         const std::uint64_t bit = draw_() % (8 * (kTcpHeader + 1));
         bytes.at(bit / 8) ^= static_cast<std::uint8_t>(1U << (bit % 8));
     }
-    if (!strikes(RequestFault::answer_lost)) arrived_.push_back(std::move(bytes));
+    if (!occurs(RequestFault::answer_lost)) arrived_.push_back(std::move(bytes));
 }
 
 int SimulatedLine::send(std::span<const std::uint8_t> frame) {
-    if (!state_.reachable || strikes(RequestFault::request_lost)) return 0;
+    if (!state_.reachable || occurs(RequestFault::request_lost)) return 0;
     answer(frame);
-    if (strikes(RequestFault::request_doubled)) answer(frame);
+    if (occurs(RequestFault::request_doubled)) answer(frame);
     return 0;
 }
 

@@ -1,11 +1,10 @@
-/// The line from the bridge's Modbus client to the PLC's registers, in memory, on a simulated clock: the same frames as over TCP.
+/// The connection from the bridge's Modbus client to the PLC's registers, in memory, on a simulated clock, with the frames of Modbus TCP.
 ///
-/// An answer that does not come costs no time here. The client would have waited for it: until `busy_until` it is not to be asked again.
+/// A missing answer takes no time here. The real client would wait for it: it must not be called again before `busy_until`.
 #pragma once
 
 #include <array>
 #include <deque>
-#include <functional>
 #include <vector>
 
 #include "firmware/host/settings/file_descriptor.hpp"
@@ -17,22 +16,22 @@
 
 namespace plant_sim::simulation {
 
-/// `request_lost`, `answer_lost`: the PLC does not, or does, act on it. `answer_damaged`: a bit of its header or function code.
+/// `request_lost`: the PLC does not act on it; `answer_lost`: it does. `answer_damaged`: a bit of the header or function code.
 enum class RequestFault : std::uint8_t { request_lost, answer_lost, answer_damaged, request_doubled };
 inline constexpr std::size_t kRequestFaults = 4;
 
-/// What the cell and the client's line share, also across clients.
+/// State shared by the cell and the connections of successive clients.
 struct LineState {
-    std::array<double, kRequestFaults> shares{};  ///< of the requests that suffer each
+    std::array<double, kRequestFaults> shares{};  ///< of the requests that get each fault
     bool reachable = true;
     rig::modbus::ClockTime now{};
     rig::modbus::ClockTime busy_until{};
-    std::array<std::uint64_t, kRequestFaults> struck{};
+    std::array<std::uint64_t, kRequestFaults> fault_counts{};
 };
 
 class SimulatedLine final : public rig::modbus::PlcLine {
   public:
-    /// All but `times` must outlive it. Throws std::system_error when the process has no descriptor left.
+    /// All arguments but `times` must outlive it. Throws std::system_error if the process has no descriptor left.
     SimulatedLine(rig::modbus::RegisterBank& bank, const rig::LinkTimes& times, LineState& state, wear::Generator& draw);
 
     [[nodiscard]] int open() override;
@@ -41,7 +40,7 @@ class SimulatedLine final : public rig::modbus::PlcLine {
     [[nodiscard]] int receive(std::span<std::uint8_t, kMaxFrame> frame, std::size_t& size) override;
 
   private:
-    [[nodiscard]] bool strikes(RequestFault fault);
+    [[nodiscard]] bool occurs(RequestFault fault);
     void answer(std::span<const std::uint8_t> request);
 
     rig::modbus::RegisterBank& bank_;
@@ -49,7 +48,7 @@ class SimulatedLine final : public rig::modbus::PlcLine {
     LineState& state_;
     wear::Generator& draw_;
     rig::modbus::ModbusContext context_;
-    std::array<settings::FileDescriptor, 2> pair_;  // libmodbus answers into the first
+    std::array<settings::FileDescriptor, 2> pair_;  // libmodbus writes its answers into the first
     std::deque<std::vector<std::uint8_t>> arrived_;
 };
 

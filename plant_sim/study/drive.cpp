@@ -18,7 +18,7 @@ namespace {
 constexpr double kStep_s = 1e-3;
 constexpr double kLongest_s = 3600.0;  // one row each ms: 3.6 million
 constexpr std::size_t kMaxBytes = 512U << 20U;
-// No brake and no valve of an aircraft comes near: beyond stands another unit, or a slip.
+// No brake or valve of an aircraft comes near: a larger value has another unit or is a mistake.
 constexpr double kMax_Pa = 100e6;
 constexpr double kMax_mA = 1000.0;
 
@@ -73,19 +73,19 @@ class Cursor {
         return profile_.value[next_ - 1] + share * (profile_.value[next_] - profile_.value[next_ - 1]);
     }
 
-    /// The time of the next row before `time_s`, else `time_s`.
+    /// Time of the next row before `time_s`; if there is none, `time_s`.
     [[nodiscard]] double next_row_before(double time_s) const {
         const auto& t = profile_.time_s;
         return next_ < t.size() && t[next_] < time_s - kRounding_s ? t[next_] : time_s;
     }
 
-    /// Right before `time_s`: of rows that are there but for rounding that of the first.
+    /// Value just before `time_s`. Rows at the same time, but for rounding, count as one; the first is used.
     double right_before(double time_s) {
         const auto& t = profile_.time_s;
         return next_ < t.size() && std::abs(t[next_] - time_s) <= kRounding_s ? profile_.value[next_] : at(time_s);
     }
 
-    /// Right after `time_s`, where it is `value`: those rows are passed.
+    /// Value just after `time_s`, where it was `value`; passes the rows of that time.
     double right_after(double time_s, double value) {
         const auto& t = profile_.time_s;
         for (; next_ < t.size() && t[next_] <= time_s + kRounding_s; ++next_) value = profile_.value[next_];
@@ -93,7 +93,7 @@ class Cursor {
     }
 
   private:
-    // Of times that were added up. A piece as short as that makes no motion but numbers that are none.
+    // Rounding of summed times. A shorter piece would give meaningless rates.
     static constexpr double kRounding_s = 1e-9;
 
     const DriveProfile& profile_;

@@ -1,4 +1,4 @@
-/// A whole maneuver in one process: the real controller against the plant, joined by the CAN contract.
+/// One maneuver in one process: the real controller with the plant, connected through the CAN contract.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@
 
 namespace study {
 
-/// What joins rig and controller.
+/// Connection of rig and controller.
 enum class Link {
-    rounded,  ///< values rounded as the frames would, no bytes: for studies
-    frames,   ///< every frame packed, protected, checked and unpacked
+    rounded,  ///< values are rounded as in frames, without encoding; for studies
+    frames,   ///< every frame is encoded, protected, checked and decoded
 };
 
-/// Called after each control period with what the rig knows of the controller and the current that acted.
+/// Called after each control period with the rig, the decoded status of the controller, and the current that acted.
 using StepObserver = std::function<void(const RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
-/// Called with every frame on the bus, in the order and with the time stamps of the lockstep run.
+/// Called with each frame on the bus, in the order and with the time stamps of lockstep.
 using FrameObserver = std::function<void(const antiskid::can::Frame&)>;
 
 struct RunResult {
     StopFigures figures;
-    antiskid::control::FaultSet faults;  ///< latched at any time during the run
+    antiskid::control::FaultSet faults;  ///< all that the controller reported
     std::uint64_t frames_sent = 0;       ///< by the rig; 0 with Link::rounded
     std::uint64_t frames_received = 0;   ///< by the rig
     std::uint64_t steps = 0;
@@ -33,7 +33,7 @@ struct RunResult {
     bool operator==(const RunResult&) const = default;
 };
 
-/// Runs to the end of the maneuver. `layout` must outlive the call. Observers may be empty.
+/// Runs a maneuver to its end. `layout` must outlive the call. Observers may be empty.
 RunResult run_in_process(const antiskid::control::Config& controller, const antiskid::can::Layout& layout, const rig::RigParameters& rig,
                          const SessionOptions& options, Link link, const StepObserver& on_step = {}, const FrameObserver& on_frame = {});
 

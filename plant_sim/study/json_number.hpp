@@ -8,11 +8,11 @@
 
 namespace study {
 
-/// null where it is infinite or no number.
+/// null if infinite or NaN.
 [[nodiscard]] inline settings::Json or_null(double value) {
     return std::isfinite(value) ? settings::Json(value) : settings::Json();
 }
-/// null where it was not measured.
+/// null if not measured.
 [[nodiscard]] inline settings::Json or_null(const std::optional<double>& value) {
     return value ? or_null(*value) : settings::Json();
 }

@@ -1,4 +1,4 @@
-/// One maneuver in closed loop, a period at a time: session, controller, and the link that joins them.
+/// One maneuver in closed loop, period by period: session, controller, and the link between them.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace study {
     return antiskid::control::Time(std::llround(static_cast<double>(controller.period_s) * 1e6) * 1000);
 }
 
-/// Link::rounded.
+/// Implements Link::rounded.
 class ValueLink {
   public:
     /// `layout` must outlive the link.
@@ -29,7 +29,7 @@ class ValueLink {
     }
     [[nodiscard]] double current_mA() const { return current_mA_; }
     [[nodiscard]] antiskid::control::State state() const { return command_.state; }
-    /// What frames would have told the rig of the last cycle, without their rounding and their pace.
+    /// The rig's view of the controller after the last cycle, without the frames' rounding and rates.
     [[nodiscard]] antiskid::can::ControllerView view() const {
         return {.command_received = now_,
                 .current_mA = static_cast<float>(current_mA_),
@@ -52,15 +52,15 @@ class ValueLink {
     double current_mA_ = 0.0;
 };
 
-/// `LinkPolicy` has cycle(), current_mA(), state() and view() as ValueLink has them; it may count frames in the result.
+/// `LinkPolicy` has cycle(), current_mA(), state() and view() like ValueLink; it may count frames in the result.
 template <typename LinkPolicy>
 class Loop {
   public:
     Loop(const antiskid::control::Config& controller, const rig::RigParameters& rig, const SessionOptions& options, LinkPolicy link)
         : session_(rig, options), controller_(controller), period_(period_of(controller)), link_(std::move(link)) {}
 
-    /// First half of a period: what the sensors say through the link to the controller, and its answer to the rig. The session is to be
-    /// advanced then, with current and state of the link.
+    /// First half of a period: passes the sensor values to the controller and its command to the link. The caller then advances the session with the
+    /// link's current and state.
     void control() {
         const auto now = period_ * static_cast<std::int64_t>(result_.steps);
         result_.faults.insert(link_.cycle(session_, controller_, now, result_).faults);

@@ -1,5 +1,4 @@
-/// The one who flies a maneuver: approach, touchdown, brake-on with a step of full demand, standstill,
-/// release.
+/// The pilot of a maneuver: approach, touchdown, brake-on with a step to full demand, standstill, release.
 #pragma once
 
 #include <vector>
@@ -8,25 +7,25 @@
 
 namespace study {
 
-/// What is asked of the controller, and when. Times are from the start of the run.
+/// Commands to the controller and their times, counted from the start of the run.
 struct ManeuverPlan {
     antiskid::control::Law law = antiskid::control::Law::wheel_slip;
     double slip_reference = 0.24;
     double deceleration_mps2 = 0.0;  ///< reference of the deceleration law
-    double demand_Pa = 0.0;          ///< the demand steps from zero to this at brake-on
+    double demand_Pa = 0.0;          ///< at brake-on the demand steps from zero to this
 
-    /// Valve current of the open-loop law over time since brake-on: linear between points, held beyond them.
+    /// Valve current of the open-loop law over time since brake-on: linear between points, constant before the first and after the last.
     struct CurrentPoint {
         double time_s;
         double current_mA;
     };
     std::vector<CurrentPoint> current;
 
-    double arm_s = 0.2;  ///< the controller has tested itself by then
+    double arm_s = 0.2;  ///< the controller's self-test is finished by then
     double touchdown_s = 0.5;
     double settle_s = 1.0;            ///< from touchdown to brake-on: the wheel spins up and rolls freely
-    double after_standstill_s = 0.1;  ///< pressure held before the release
-    double release_s = 0.1;           ///< disarmed, before the run ends
+    double after_standstill_s = 0.1;  ///< demand held before the release
+    double release_s = 0.1;           ///< disarmed until the run ends
 };
 
 enum class StopPhase { approach, rolling, braking, standstill, released, done };
@@ -36,7 +35,7 @@ class Pilot {
   public:
     explicit Pilot(ManeuverPlan plan);
 
-    /// Call once a period with the time and whether the aircraft stands; phases only go forward.
+    /// Call once a period. `standstill`: whether the aircraft stands. Phases only advance.
     void update(double time_s, bool standstill);
 
     [[nodiscard]] StopPhase phase() const { return phase_; }

@@ -58,7 +58,7 @@ void RigSession::advance(double current_mA, antiskid::control::State controller)
     close_period(controller);
 }
 
-/// False where the stop is over.
+/// False: the stop is over.
 bool RigSession::measure() {
     if (!meter_.started() || pilot_.phase() != StopPhase::braking) return true;
     meter_.update(rig_, kPlantStep_s);

@@ -1,4 +1,4 @@
-/// The rig's side of a maneuver, whatever carries the frames: plant, pilot and meter on one period.
+/// The rig's side of a maneuver, without the transport of frames: plant, pilot and meter with one period.
 ///
 ///     while (!session.done()) {
 ///         send(session.sample());              // over CAN, or in process
@@ -18,11 +18,11 @@ namespace study {
 
 struct SessionOptions {
     ManeuverPlan plan;
-    /// Slip reference that the pilot gives at each period, from the rig as it is then; empty: that of `plan` all along.
+    /// Slip reference commanded in each period, computed from the present rig; empty: always that of `plan`.
     std::function<double(const plant::Rig&)> slip_reference{};
-    double period_s = 1e-3;     ///< control period, a whole multiple of 1 ms
+    double period_s = 1e-3;     ///< control period, a multiple of 1 ms
     double drop_out_mps = 5.0;  ///< end of eq. (16)
-    double longest_s = 600.0;   ///< a run that does not come to rest ends here
+    double longest_s = 600.0;   ///< a run without standstill ends here
     std::uint64_t seed = 1;
 };
 
@@ -30,15 +30,15 @@ class RigSession {
   public:
     RigSession(const rig::RigParameters& rig, const SessionOptions& options);
 
-    /// What sensors and pilot say at this period.
+    /// Values of sensors and pilot in this period.
     [[nodiscard]] const antiskid::can::RigSample& sample() const { return sample_; }
     [[nodiscard]] antiskid::can::LoadCellSample load_cells() const;
 
-    /// One period with the valve current held; `controller` is the state that the controller last reported.
+    /// Advances by one period with a constant valve current. `controller`: the newest state that the controller reported.
     void advance(double current_mA, antiskid::control::State controller);
 
     [[nodiscard]] bool done() const { return pilot_.phase() == StopPhase::done || abandoned() || timed_out(); }
-    /// The controller has been in its safe state for kPatience_s of the braking phase: nobody brakes any more.
+    /// Whether the controller has been in its safe state for kPatience_s of the braking phase, so that nothing brakes.
     [[nodiscard]] bool abandoned() const { return safe_s_ >= kPatience_s; }
     static constexpr double kPatience_s = 1.0;
     [[nodiscard]] bool timed_out() const { return rig_.time_s() >= options_.longest_s; }

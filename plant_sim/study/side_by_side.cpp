@@ -10,18 +10,18 @@
 
 namespace plant {
 
-/// Up to eight rigs that step together, each by its own current: valves, loads and sensors one after the other, the wheels at once in
-/// vector code. Bit by bit what each would do alone.
+/// Up to eight rigs that step together, each with its own current: valves, loads and sensors one after the other, the wheels at once in vector code.
+/// The bits are those of a single rig.
 class RigLanes {
   public:
     static constexpr std::size_t kLanes = plant::WheelLanes::kLanes;
 
-    /// `rig` takes part until it is replaced or taken out (nullptr); it must outlive that, and its brake must stay what it is.
+    /// `rig` takes part until it is replaced or removed (nullptr); until then it must live, and its brake must not change.
     void place(std::size_t lane, plant::Rig* rig) {
         rigs_[lane] = rig;
         if (rig != nullptr) wheels_.laws.set(lane, rig->dynamics_.law());
     }
-    /// One step of every rig, the current of its lane held.
+    /// One step of every rig with the constant current of its lane.
     void advance_current(const std::array<double, kLanes>& current_mA) {
         for (std::size_t i = 0; i < kLanes; ++i) {
             if (rigs_[i] == nullptr) continue;
@@ -49,18 +49,18 @@ class RigLanes {
 
 namespace study {
 
-/// Up to eight sessions that advance together, their rigs in plant::RigLanes. Bit by bit what each would do alone.
+/// Up to eight sessions that advance together, with their rigs in plant::RigLanes. The bits are those of a single session.
 class SessionLanes {
   public:
     static constexpr std::size_t kLanes = plant::RigLanes::kLanes;
 
-    /// What RigSession::advance is given.
+    /// Arguments of RigSession::advance.
     struct Period {
         double current_mA = 0.0;
         antiskid::control::State controller = antiskid::control::State::self_test;
     };
 
-    /// `session`, of single_steps(), takes part until it is replaced or taken out (nullptr); it must outlive that where it is.
+    /// `session`, with single_steps(), takes part until it is replaced or removed (nullptr); until then it must live and must not be moved.
     void place(std::size_t lane, RigSession* session) {
         sessions_[lane] = session;
         rigs_.place(lane, session != nullptr ? &session->rig_ : nullptr);
@@ -113,7 +113,7 @@ class Runner {
     }
 
   private:
-    /// The next maneuver that fits into a lane; those that do not are run here and now.
+    /// Puts the next suitable maneuver into a lane; runs unsuitable ones at once.
     void refill(std::size_t lane) {
         lanes_.place(lane, nullptr);
         while (more_) {

@@ -1,4 +1,4 @@
-/// Many maneuvers in process, several side by side on one thread: what run_in_process does with Link::rounded, faster.
+/// Many maneuvers in one process, several side by side on one thread: the same as run_in_process with Link::rounded, but faster.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace study {
 
-/// One maneuver, as handed to run_in_process.
+/// Arguments of one maneuver, see run_in_process.
 struct Maneuver {
     antiskid::control::Config controller;
     rig::RigParameters rig;
@@ -17,13 +17,13 @@ struct Maneuver {
     StepObserver on_step{};  ///< may be empty
 };
 
-/// Called for one maneuver after the other, whenever there is room; empty: there are no more, and it is not called again.
+/// Returns the next maneuver; empty: there are no more, and it is not called again.
 using NextManeuver = std::function<std::optional<Maneuver>()>;
-/// Called when a maneuver has ended, with its number in the order of the calls above, counted from 0. A short one may overtake a long one.
+/// Called when a maneuver has ended; `number` counts the calls of NextManeuver from 0. Short maneuvers may end before longer earlier ones.
 using ManeuverDone = std::function<void(std::size_t number, const RunResult& result)>;
 
-/// Runs them all. Every result has the same bits as that of run_in_process, whatever runs beside it. `layout` must outlive the call. What
-/// a function throws ends the run.
+/// Runs all maneuvers. Each result has the same bits as that of run_in_process. `layout` must outlive the call. An exception of a function ends the
+/// run.
 void run_side_by_side(const antiskid::can::Layout& layout, const NextManeuver& next, const ManeuverDone& done);
 
 }  // namespace study

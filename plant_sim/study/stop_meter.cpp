@@ -18,10 +18,10 @@ void StopMeter::start(const plant::Rig& rig) {
     start_s_ = drop_out_s_ = rig.time_s();
     start_energy_J_ = rig.kinetic_energy_J();
     start_leg_J_ = rig.energy_leg_J();
-    look_at(rig.surface());
+    set_surface(rig.surface());
 }
 
-void StopMeter::look_at(const rig::Surface& surface) {
+void StopMeter::set_surface(const rig::Surface& surface) {
     changed_ = surface_ != nullptr || surface.wet;
     surface_ = &surface;
     optimum_ = rig::peak(surface);
@@ -31,7 +31,7 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
     const plant::WheelState& now = rig.wheel();
     const plant::Forces forces = rig.forces();
     const double metres = now.distance_m - last_.distance_m;
-    if (&rig.surface() != surface_) look_at(rig.surface());
+    if (&rig.surface() != surface_) set_surface(rig.surface());
     if (surface_->wet) optimum_ = rig::peak(*surface_, 0.5 * (last_.v_mps + now.v_mps));
     torque_Nms_ += forces.brake_torque_Nm * step_s;
     load_Ns_ += forces.F_z_N * step_s;

@@ -1,9 +1,7 @@
 #include "plant_sim/study/torque_replay.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "plant_sim/study/stop_meter.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
@@ -58,7 +56,7 @@ TorqueReplay replay_torques(const wear::Campaign& recorded, const rig::LoadedRig
     out.simulated.points.reserve(recorded.points.size());
     const double start_J = brake.state().c_e_J;
     for (const wear::Braking& braking : recorded.brakings) {
-        // The model is of readings of eq. (7). NaN, where no brake reads so little, is the least that there is.
+        // The model is one of readings of eq. (7). NaN, if no brake reads so little, becomes the smallest possible friction.
         const double mean = rig::mean_of_measured(rig.rig.friction_curve, brake.next_friction(), rig.drop_out_mps / braking.brake_on_mps);
         rig.rig.mean_friction = std::fmax(mean, rig::min_mean_friction(rig.rig.friction_curve));
         const TorqueStop stop = stop_by_torque(rig, braking);

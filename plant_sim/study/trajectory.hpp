@@ -1,4 +1,4 @@
-/// A maneuver as a table over time, one row per 5 ms, CSV with units in the header.
+/// A maneuver as a table over time, one row each 5 ms, CSV with units in the header.
 #pragma once
 
 #include <span>
@@ -14,14 +14,14 @@ namespace study {
 
 class Trajectory {
   public:
-    /// `along_runway`: also the place on the runway and the friction that is available there at this speed.
+    /// `along_runway`: adds the position on the runway and the friction available there at this speed.
     explicit Trajectory(bool along_runway = false);
 
-    /// After each control period: the rig, what it knows of the controller, and the current that acted.
+    /// Call after each control period with the rig, the decoded status of the controller, and the current that acted.
     void record(const RigSession& session, const antiskid::can::ControllerView& controller, double current_mA);
 
     [[nodiscard]] std::string_view csv() const { return csv_.text(); }
-    /// The same rows, for a picture.
+    /// The same rows for a picture.
     [[nodiscard]] std::span<const pictures::StopRow> rows() const { return rows_; }
 
   private:

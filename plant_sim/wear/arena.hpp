@@ -1,4 +1,4 @@
-/// Forecasts against each other on lives by laws that none of them was made from (rival_laws.hpp).
+/// Compares forecasts on lives by laws that none of the forecasts was made from (rival_laws.hpp).
 #pragma once
 
 #include <optional>
@@ -24,14 +24,14 @@ enum class Entrant : std::uint8_t {
 constexpr std::array<const char*, 10> kEntrantNames{"persistence", "past_lives", "nearest",     "mixture",  "local_linear",
                                                     "filter",      "shipped",    "life_curves", "law_told", "oracle"};
 
-constexpr std::size_t kTenths = 9;  ///< asked at 10 to 90 % of life
+constexpr std::size_t kTenths = 9;  ///< forecasts are made at 10 to 90 % of life
 
 struct LeftScore {
     std::size_t asked = 0;
-    double held = 0.0;   ///< share of truths in the 10 to 90 % interval
-    double width = 0.0;  ///< of it, landings, mean
+    double held = 0.0;   ///< share of true values in the 10 to 90 % interval
+    double width = 0.0;  ///< mean width of the interval, landings
     double crps = 0.0;   ///< mean, landings
-    double skill = 0.0;  ///< CRPS gained on past lives, over what the oracle gains
+    double skill = 0.0;  ///< reduction of CRPS against past_lives, relative to that of the oracle
 };
 
 struct Score {
@@ -39,25 +39,25 @@ struct Score {
     double log_score = 0.0;  ///< -log p, mean; less is better
     double pit = 0.0;        ///< Kolmogorov's distance of the probability integral transform from uniform
     std::array<LeftScore, kTenths> left{};
-    bool forecasts = false;  ///< whether it says how many landings are left
+    bool forecasts = false;  ///< whether it forecasts the landings left
 };
 
 struct Plan {
     Settings settings;
     std::vector<Law> laws;
-    std::uint64_t judged_seed = 0;   ///< first
-    std::size_t training_lives = 0;  ///< of a law, at least 3
-    std::size_t judged_lives = 0;    ///< of a law
-    bool watch = false;              ///< find faults, too
+    std::uint64_t judged_seed = 0;   ///< seed of the first judged life
+    std::size_t training_lives = 0;  ///< per law, at least 3
+    std::size_t judged_lives = 0;    ///< per law
+    bool watch = false;              ///< also judges the detection of faults
     unsigned threads = 1;            ///< the result does not depend on it
 };
 
 using Scores = std::array<Score, kEntrantNames.size()>;
 struct Result {
     Scores within;                                     ///< trained on the judged law
-    std::optional<Scores> across;                      ///< trained on each other law in turn; none: one law
+    std::optional<Scores> across;                      ///< trained on each other law in turn; none: there is only one law
     std::vector<Scores> within_by_law, across_by_law;  ///< by the judged law, in the plan's order
-    std::vector<WatchScore> watch;                     ///< by law; none unless the plan asks
+    std::vector<WatchScore> watch;                     ///< by law; empty unless the plan requests it
 };
 [[nodiscard]] Result run(const Plan& plan);
 

@@ -75,7 +75,7 @@ std::optional<BrakeState> find_brake_state(const std::filesystem::path& file, co
     return brake_state_from_json(file.string(), settings::read_file(file), wear);
 }
 
-void keep_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear) {
+void write_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear) {
     settings::write_file(file, to_json(state, wear));
 }
 

@@ -1,4 +1,4 @@
-/// What one brake remembers between two runs of a program, as a file.
+/// File with a brake's state between two runs of a program.
 #pragma once
 
 #include <filesystem>
@@ -13,20 +13,20 @@ namespace wear {
 constexpr const char* kBrakeStateFormat = "antiskid brake state";
 constexpr int kBrakeStateFormatVersion = 1;
 
-/// Of model and scale: a state is for the brake that it was kept of.
+/// Hash of model and scale: a state is only valid for the brake with the same hash.
 [[nodiscard]] std::string wear_hash(const BrakeWear& wear);
 
-/// Readable JSON, exact to the last bit, with a check sum over its values.
+/// Readable JSON with all bits of the numbers and a checksum.
 [[nodiscard]] std::string to_json(const BrakeState& state, const BrakeWear& wear);
 
-/// Throws settings::Error with `name` and the key of what is missing, unknown, of the wrong type or out of range, for another format or
-/// version, for a check sum that does not fit, and for a state of another model or scale than `wear`.
+/// Throws settings::Error with `name` and the key for a missing, unknown, wrongly typed or out-of-range value, another format or version, a wrong
+/// checksum, and a state of another model or scale than `wear`.
 [[nodiscard]] BrakeState brake_state_from_json(const std::string& name, std::string_view json, const BrakeWear& wear);
 
-/// From a file; nothing where there is none. Throws as above.
+/// Reads the state from a file; none: there is no file. Throws as above.
 [[nodiscard]] std::optional<BrakeState> find_brake_state(const std::filesystem::path& file, const BrakeWear& wear);
 
-/// To a file that is whole or as it was. Throws settings::Error.
-void keep_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear);
+/// Writes the state to a file, which after a failure is unchanged. Throws settings::Error.
+void write_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear);
 
 }  // namespace wear

@@ -1,9 +1,8 @@
-/// How soon abnormal brakes are flagged, and how often healthy ones are: measured on campaigns of healthy brakes, into which faults are put.
+/// Delay until abnormal brakes are flagged, and false alarms on healthy ones: healthy campaigns, with and without an added fault.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "rig_bridge/wear/health.hpp"
@@ -11,28 +10,28 @@
 namespace wear {
 
 enum class Fault : std::uint8_t {
-    glazing,  ///< friction is lost by `size` (a share) over kGlazingManeuvers, evenly, and stays lost
-    drop,     ///< lost by `size` from one maneuver to the next
-    drag,     ///< a piston sticks: eq. (7) has a share `size` of torque more than pressure explains, from one maneuver to the next
+    glazing,  ///< friction decreases by `size` (a share) evenly over kGlazingManeuvers, permanently
+    drop,     ///< decreases by `size` from one maneuver to the next
+    drag,     ///< a piston sticks: from one maneuver to the next, eq. (7) contains a share `size` of torque that is not from pressure
 };
 constexpr std::size_t kGlazingManeuvers = 40;
 
-/// The campaign with a fault from maneuver `begin` (counted from 0) on.
+/// Returns the campaign with a fault from maneuver `begin` on, counted from 0.
 [[nodiscard]] Campaign with_fault(const Campaign& healthy, Fault fault, double size, std::size_t begin);
 
 struct HealthyTrial {
     std::size_t campaigns = 0;
     std::size_t maneuvers = 0;
-    std::size_t flagged = 0;  ///< campaigns called abnormal
+    std::size_t flagged = 0;  ///< number of campaigns classified as abnormal
     std::size_t suspected_maneuvers = 0;
 };
 
 struct FaultTrial {
     Fault fault = Fault::glazing;
     double size = 0.0;
-    std::size_t campaigns = 0;  ///< with the fault, those aside that were flagged before it began
-    std::size_t flagged = 0;    ///< before they ended
-    /// Maneuvers from the fault's begin to the flag, the flagged one counted; 50 and 90 % of all campaigns, 0 where fewer were flagged.
+    std::size_t campaigns = 0;  ///< number with the fault, without those flagged before it began
+    std::size_t flagged = 0;    ///< number flagged before their end
+    /// Maneuvers from the fault's beginning up to and including the flagged one: 50 and 90 % of all campaigns; 0 if fewer were flagged.
     std::size_t median = 0;
     std::size_t ninety = 0;
 };

@@ -64,7 +64,7 @@ ForecastAnswer answer(const ForecastRequest& request, ResolvedRequest resolved, 
     json["horizon"] = resolved.settings.horizon;
     json["draws"] = resolved.settings.draws;
     json["method"] = request.method;
-    json["of_their_kind"] = f.alike;
+    json["of_their_kind"] = f.population_probability;
     json["already_below"] = f.crossed_now;
     json["below_within_horizon"] = f.crossed_ever;
     json["extrapolated"] = f.extrapolated;

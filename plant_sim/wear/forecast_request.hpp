@@ -1,4 +1,4 @@
-/// What a forecast of landings left is asked, and all that is said of its answer: of `rig-lab wear forecast` and the Python module.
+/// Request and answer of a forecast of landings left, for `rig-lab wear forecast` and the Python module.
 #pragma once
 
 #include <cstddef>
@@ -18,35 +18,35 @@ namespace wear {
 
 struct ForecastRequest {
     std::filesystem::path config = settings::config_directory();
-    std::optional<double> limit;      ///< mean friction; none: where the torque reserve is gone, reserve_limit()
-    std::string mix;                  ///< landings to come, as configured_mix() takes them; empty: as the newest 100 of the campaign
-    double slip = 0.24;               ///< that those of `mix` are held at
-    std::optional<double> energy_MJ;  ///< of each landing to come, instead of `mix`
-    std::size_t last = 0;             ///< learn from so many of the newest maneuvers; 0: from all
-    std::string method = "shipped";   ///< or "filter": BrakeFilter alone
+    std::optional<double> limit;      ///< mean friction; none: the loss of the torque reserve, reserve_limit()
+    std::string mix;                  ///< landings to come, see configured_mix(); empty: as the newest 100 of the campaign
+    double slip = 0.24;               ///< slip at which those of `mix` are held
+    std::optional<double> energy_MJ;  ///< energy of each landing to come, instead of `mix`
+    std::size_t last = 0;             ///< number of the newest maneuvers to learn from; 0: all
+    std::string method = "shipped";   ///< or "filter": only BrakeFilter
     int horizon = ForecastSettings{}.horizon;
     int draws = ForecastSettings{}.draws;
     std::uint64_t seed = 1;
 };
 
-/// The request with what the configuration says.
+/// The request with the values of the configuration.
 struct ResolvedRequest {
     ForecastSettings settings;
     std::optional<ReserveLimit> reserve;
-    std::vector<std::filesystem::path> files;  ///< of the configuration that went in
+    std::vector<std::filesystem::path> files;  ///< files of the configuration that were used
 };
 [[nodiscard]] ResolvedRequest resolved(const ForecastRequest& request);
 
 struct ForecastAnswer {
     Forecast forecast;
     LandingMix mix;
-    settings::Json json;  ///< of forecast.json
+    settings::Json json;  ///< contents of forecast.json
 };
 
-/// Throws std::invalid_argument or settings::Error for a request that cannot be, as configured_mix() and forecast() do.
+/// Throws std::invalid_argument or settings::Error for an invalid request, as configured_mix() and forecast() do.
 [[nodiscard]] ForecastAnswer answer(const ForecastRequest& request, ResolvedRequest resolved, const PopulationFile& by, const Campaign& campaign);
 
-/// What every file that comes of a population begins with.
+/// Head of every file that is made with a population.
 [[nodiscard]] settings::Json json_head(const ResolvedRequest& resolved, const PopulationFile& by);
 
 }  // namespace wear

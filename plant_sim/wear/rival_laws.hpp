@@ -1,13 +1,13 @@
-/// Laws of a brake's friction over its life, none of them a Gaussian mixture: what judges forecasts (arena.hpp) is not what makes them.
+/// Laws of a brake's friction over its life, none of them a Gaussian mixture, so that forecasts are judged by other laws than they are made from
+/// (arena.hpp).
 ///
-/// Worn, heat and film are shares: 1 is a used-up lining, the heat of a mean landing, a full film. Constants are made up [A]; forms are of
-/// the source that stands at each law.
+/// Wear, heat and film are relative: 1 is a used-up lining, the heat of a mean landing, a full film. Constants are assumed [A]; the form of each law
+/// is that of the source beside it.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "rig_bridge/wear/forecast.hpp"
@@ -15,12 +15,12 @@
 namespace wear::arena {
 
 enum class Law : std::uint8_t {
-    archard,       ///< worn volume goes with energy (Archard 1953), and faster in a hot brake, whose friction fades
+    archard,       ///< worn volume is proportional to energy (Archard 1953), and larger in a hot brake, whose friction fades
     ostermeyer,    ///< contact patches grow with friction power and are destroyed by wear (Ostermeyer, Wear 254, 2003, p. 852)
-    oxidation,     ///< carbon burns off by Arrhenius' law; grip goes with the root of what is burnt (after McKee, Carbon 25, 1987)
-    glazing,       ///< a glaze grows in light landings and heavy ones break it [A]
-    step_faults,   ///< Archard; sudden losses of 3 to 8 % that stay, two in a mean life [A]
-    sensor_drift,  ///< Archard; pressure is read with a gain that walks, so that friction is misread, while the brake is not [A]
+    oxidation,     ///< carbon oxidises by Arrhenius' law; friction depends on the root of the oxidised part (after McKee, Carbon 25, 1987)
+    glazing,       ///< light landings build up a glaze, heavy ones break it [A]
+    step_faults,   ///< Archard, with sudden permanent losses of 3 to 8 %, two in a mean life [A]
+    sensor_drift,  ///< Archard; the pressure sensor's gain drifts, so that friction is measured wrong but the brake is unaffected [A]
 };
 constexpr std::array<const char*, 6> kLawNames{"archard", "ostermeyer", "oxidation", "glazing", "step_faults", "sensor_drift"};
 
@@ -30,7 +30,7 @@ struct Settings {
     double life_landings = 0.0;
     double life_scatter = 0.0;
     double correlation = 0.0;
-    LandingMix mix;  ///< scatter of 3 % about each kind's energy
+    LandingMix mix;  ///< with a scatter of 3 % about each kind's energy
     [[nodiscard]] double mean_energy_J() const;
 };
 /// Throws settings::Error.
@@ -40,11 +40,11 @@ class Brake {
   public:
     Brake(Law law, const Settings& settings, std::uint64_t seed);
 
-    /// A landing: the friction that is read in it, and the brake has taken `energy_J`.
+    /// One landing in which the brake takes `energy_J`; returns the measured friction.
     double land(double energy_J, Generator& generator);
-    /// Friction that the next landing will be read with, without what is new in it.
+    /// Expected measured friction of the next landing.
     [[nodiscard]] double expected() const;
-    /// Friction at mean heat and glaze, not misread: what decides that the brake is worn out.
+    /// True friction at mean heat and glaze, which decides whether the brake is worn out.
     [[nodiscard]] double condition() const;
     [[nodiscard]] double life_J() const { return life_J_; }
     [[nodiscard]] double level() const { return level_; }
@@ -61,7 +61,7 @@ class Brake {
     double worn_ = 0.0;
     double heat_ = 1.0;
     double film_ = 0.0;
-    double lost_ = 0.0;  // to steps
+    double lost_ = 0.0;  // by steps
     double misread_ = 1.0;
 };
 
@@ -70,7 +70,7 @@ class Brake {
 /// A brake from new to worn out.
 struct Life {
     Campaign campaign;
-    std::vector<Brake> before;  ///< the brake as it is before each landing
+    std::vector<Brake> before;  ///< state of the brake before each landing
     [[nodiscard]] std::size_t landings() const { return before.size(); }
 };
 [[nodiscard]] Life live(Law law, const Settings& settings, std::uint64_t seed);

@@ -81,13 +81,13 @@ bool ended(pid_t child, int& status, std::chrono::milliseconds limit) {
 
 }  // namespace
 
-std::vector<std::string> environment_of(const AbortNews& news) {
-    return {variable("RIG_OUTCOME", news.outcome),
-            variable("RIG_CAUSE", news.cause),
-            variable("RIG_NEXT_STEP", news.next_step),
-            variable("RIG_CAMPAIGN", news.campaign),
-            variable("RIG_MANEUVER", std::to_string(news.maneuver)),
-            variable("RIG_FOLDER", std::filesystem::absolute(news.folder).string())};
+std::vector<std::string> environment_of(const AbortReport& report) {
+    return {variable("RIG_OUTCOME", report.outcome),
+            variable("RIG_CAUSE", report.cause),
+            variable("RIG_NEXT_STEP", report.next_step),
+            variable("RIG_CAMPAIGN", report.campaign),
+            variable("RIG_MANEUVER", std::to_string(report.maneuver)),
+            variable("RIG_FOLDER", std::filesystem::absolute(report.folder).string())};
 }
 
 void check_hook(const std::filesystem::path& program) {
@@ -96,9 +96,9 @@ void check_hook(const std::filesystem::path& program) {
                                     ": expected a program or script that may be run, without arguments (chmod +x)");
 }
 
-std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& news, std::chrono::milliseconds limit) {
+std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& environment, std::chrono::milliseconds limit) {
     pid_t child = 0;
-    if (const int error = Spawn().start(child, std::filesystem::absolute(program), news); error != 0)
+    if (const int error = Spawn().start(child, std::filesystem::absolute(program), environment); error != 0)
         return fmt::format("{}: {}", program.string(), std::strerror(error));
     int status = 0;
     if (!ended(child, status, limit)) {

@@ -10,7 +10,7 @@
 namespace rig::bridge {
 
 /// Data for the program, each in an environment variable of one line.
-struct AbortNews {
+struct AbortReport {
     std::string outcome;           ///< RIG_OUTCOME: what the campaign does about it, for people
     std::string cause;             ///< RIG_CAUSE: name of the abort, or record_lost
     std::string next_step;         ///< RIG_NEXT_STEP: what it means and what to do
@@ -19,7 +19,7 @@ struct AbortNews {
     std::filesystem::path folder;  ///< RIG_FOLDER: of the record, absolute
 };
 
-[[nodiscard]] std::vector<std::string> environment_of(const AbortNews& news);
+[[nodiscard]] std::vector<std::string> environment_of(const AbortReport& report);
 
 /// Throws std::invalid_argument if `program` is not an executable file.
 void check_hook(const std::filesystem::path& program);
@@ -28,7 +28,7 @@ inline constexpr std::chrono::seconds kHookLimit{10};
 
 /// Runs the program without shell or arguments, at ordinary priority, and waits for its end; after `limit` kills it with its process group. Returns
 /// what went wrong; empty: exit status 0.
-[[nodiscard]] std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& news,
+[[nodiscard]] std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& environment,
                                    std::chrono::milliseconds limit = kHookLimit);
 
 }  // namespace rig::bridge

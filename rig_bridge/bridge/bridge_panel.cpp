@@ -8,7 +8,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/hold.hpp"

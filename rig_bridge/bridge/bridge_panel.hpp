@@ -4,7 +4,6 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <string>
 
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"

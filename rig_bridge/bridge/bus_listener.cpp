@@ -19,13 +19,13 @@ BusListener::BusListener(const antiskid::can::Layout& layout, const record::Mete
       wheel_(parameters.wheel_teeth),
       flywheel_(parameters.flywheel_teeth) {}
 
-void BusListener::hear(std::span<record::CapturedFrame> frames, Recording* recording) {
+void BusListener::receive(std::span<record::CapturedFrame> frames, Recording* recording) {
     stamps_.next_batch();
     for (record::CapturedFrame& one : frames) {
         const Time came = stamps_.monotonic(one.frame.received);
         if (recording != nullptr) recording->take(one, came);
         if (!one.plain()) continue;
-        if (lockstep_ != nullptr) lockstep_->hear(one.frame);
+        if (lockstep_ != nullptr) lockstep_->accept(one.frame);
         if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
         antiskid::can::Frame heard = one.frame;
         heard.received = lockstep_ == nullptr ? came : lockstep_->now();
@@ -39,12 +39,12 @@ void BusListener::accept(const antiskid::can::Frame& frame) {
     senders_.accept(frame);
 }
 
-void BusListener::tell(BusNow& now, Time time, bool drained, const Recording* recording) {
+void BusListener::fill(BusNow& now, Time time, bool drained, const Recording* recording) {
     constexpr Time kLately{200'000'000};
     const antiskid::can::BusView& view = live_.view();
     now.view = view;
-    if (drained) now.looked = time;
-    now.controller_rejected = status_.reason(now.looked - kLately);
+    if (drained) now.valid_at = time;
+    now.controller_rejected = status_.reason(now.valid_at - kLately);
     now.two_controllers = senders_.two_controllers();
     now.two_bridges = senders_.two_bridges();
     wheel_.update(view.wheel, time);

@@ -25,10 +25,10 @@ class BusListener {
 
     /// Takes a batch in bus order, with the kernel's wall-clock stamps. `recording`, if not null, stores the frames and replaces their stamps by
     /// those of the record.
-    void hear(std::span<record::CapturedFrame> frames, Recording* recording);
+    void receive(std::span<record::CapturedFrame> frames, Recording* recording);
 
     /// Fills the members of `now` that come from frames, and the state of `recording`. `drained`: all frames that had arrived by `time` were taken.
-    void tell(BusNow& now, antiskid::can::Time time, bool drained, const Recording* recording);
+    void fill(BusNow& now, antiskid::can::Time time, bool drained, const Recording* recording);
 
   private:
     void accept(const antiskid::can::Frame& frame);
@@ -40,7 +40,7 @@ class BusListener {
     std::uint64_t syncs_ = 0;
     antiskid::can::Observer live_;
     RejectedFrames status_;  // the controller's
-    WhoSends senders_;
+    DuplicateSenders senders_;
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
 };

@@ -86,7 +86,7 @@ void BusRecorder::publish(bool drained) {
     const std::lock_guard lock(mutex_);
     now_.up = status.up;
     now_.error = status.interface_error;
-    listener_.tell(now_, time(), drained, recording_.get());
+    listener_.fill(now_, time(), drained, recording_.get());
 }
 
 /// A socket on a removed interface never works again: opens a new one as soon as the interface is back.
@@ -116,7 +116,7 @@ bool BusRecorder::hear_batch() {
         housekeeping_();
     }
     const auto frames = capture_ ? capture_->receive() : std::span<record::CapturedFrame>{};
-    listener_.hear(frames, recording_.get());
+    listener_.receive(frames, recording_.get());
     publish(frames.size() < record::Capture::kBatch);
     return frames.size() == record::Capture::kBatch;
 }
@@ -131,14 +131,14 @@ void BusRecorder::await_turn(const std::function<bool()>& enough) {
         const bool more = hear_batch();
         if (lockstep_->due()) break;
         const Time passed = steady_now() - last_turn_;
-        if (more || passed < lockstep_->patience()) {
+        if (more || passed < lockstep_->max_wait()) {
             if (capture_)
                 (void)capture_->wait(kLook);
             else
                 std::this_thread::sleep_for(kLook);
             continue;
         }
-        lockstep_->gave_up(passed);
+        lockstep_->timed_out(passed);
         publish(true);
         break;
     }

@@ -29,20 +29,20 @@ class LiveSpeed {
             started_ = true;
             radps_ = 0.0;
             begin(input);
-            news_ = now;
+            new_edge_at_ = now;
             newest_count_ = input.edge_count;
             return;
         }
         if (input.edge_count != newest_count_) {
             newest_count_ = input.edge_count;
-            news_ = now;
+            new_edge_at_ = now;
         }
         if (edges > 0 && length_s >= kWindow_s) {
             radps_ = static_cast<double>(edges) * pitch_rad_ / length_s;
             begin(input);
         }
         // Without a new edge for long, speed is at most one edge in that time.
-        const double silent_s = antiskid::host::seconds(now - news_) - kLate_s;
+        const double silent_s = antiskid::host::seconds(now - new_edge_at_) - kLate_s;
         if (silent_s > 0.0) radps_ = std::min(radps_, pitch_rad_ / silent_s);
     }
 
@@ -63,7 +63,7 @@ class LiveSpeed {
     std::uint32_t from_count_ = 0;
     std::uint32_t newest_count_ = 0;
     antiskid::control::Time from_time_{};
-    antiskid::control::Time news_{};
+    antiskid::control::Time new_edge_at_{};
     double radps_ = 0.0;
 };
 

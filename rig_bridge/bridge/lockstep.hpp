@@ -17,42 +17,42 @@ namespace rig::bridge {
 class Lockstep {
   public:
     using Time = antiskid::can::Time;
-    /// `layout` must outlive it and have a SYNC with a number. `step`: time between two turns; `patience`: longest wait for an answer.
-    Lockstep(const antiskid::can::Layout& layout, Time period, Time step, Time patience)
+    /// `layout` must outlive it and have a SYNC with a number. `step`: time between two turns; `answer_timeout`: longest wait for an answer.
+    Lockstep(const antiskid::can::Layout& layout, Time period, Time step, Time answer_timeout)
         : layout_(layout),
           period_(period),
           step_(step),
-          patience_(patience),
+          answer_timeout_(answer_timeout),
           every_(static_cast<std::uint32_t>(std::max<std::int64_t>(step / period, 1))) {}
 
     /// Takes plain data frames in bus order.
-    void hear(const antiskid::can::Frame& frame) {
+    void accept(const antiskid::can::Frame& frame) {
         using antiskid::can::Role;
         if (frame.id == layout_[Role::sync].id) count_sync(antiskid::can::Payload(frame.data));
         if (frame.id != layout_[Role::valve].id) return;
         controller_answers_ = true;
-        due_ = due_ || asked_;
+        due_ = due_ || turn_requested_;
     }
 
     [[nodiscard]] bool due() const { return due_; }
     /// Ends the turn; returns its number for the register `bridge_turn`.
-    std::uint16_t taken() {
-        asked_ = due_ = false;
+    std::uint16_t end_turn() {
+        turn_requested_ = due_ = false;
         return syncs_ == 0 ? kJoined : turn_number(number_, every_);
     }
 
     /// Longest wait for the next turn, by the machine's clock.
-    [[nodiscard]] Time patience() const {
+    [[nodiscard]] Time max_wait() const {
         constexpr Time kStart{30'000'000'000};
-        if (syncs_ == 0 && !alone_) return kStart;
-        return alone_ ? step_ : patience_;
+        if (syncs_ == 0 && !sync_missing_) return kStart;
+        return sync_missing_ ? step_ : answer_timeout_;
     }
     /// Call if the wait timed out, `passed` after the last turn.
-    void gave_up(Time passed) {
-        if (asked_) {
+    void timed_out(Time passed) {
+        if (turn_requested_) {
             controller_answers_ = false;
         } else {
-            alone_ = true;
+            sync_missing_ = true;
             now_ += passed;
         }
         due_ = true;
@@ -71,23 +71,23 @@ class Lockstep {
         now_ += static_cast<std::int64_t>(passed) * period_;
         syncs_ += passed;
         number_ = number;
-        alone_ = false;
-        asked_ = number % every_ == 0;
-        due_ = asked_ && !controller_answers_;
+        sync_missing_ = false;
+        turn_requested_ = number % every_ == 0;
+        due_ = turn_requested_ && !controller_answers_;
     }
 
     const antiskid::can::Layout& layout_;
     Time period_;
     Time step_;
-    Time patience_;
+    Time answer_timeout_;
     std::uint32_t every_;
     Time now_{};
     std::uint64_t syncs_ = 0;
     std::uint32_t number_ = 0;
-    bool asked_ = false;  // the newest SYNC asks for a turn
+    bool turn_requested_ = false;  // the newest SYNC asks for a turn
     bool due_ = false;
     bool controller_answers_ = true;
-    bool alone_ = false;  // no SYNC arrives
+    bool sync_missing_ = false;  // no SYNC arrives
 };
 
 }  // namespace rig::bridge

@@ -38,7 +38,7 @@ const Moment& Node::step(rig::Sequencer* sequencer, const Wishes& wishes, Time n
     moment_.now = now;
     moment_.plc = plc_.snapshot();
     moment_.bus = feed_.now();
-    moment_.inputs = look(moment_.plc, moment_.bus, now, limits_);
+    moment_.inputs = sequencer_inputs(moment_.plc, moment_.bus, now, limits_);
     moment_.inputs.bus_up = moment_.inputs.bus_up && bus_.status().up;
     moment_.inputs.abort_requested = wishes.abort;
     moment_.inputs.foreign_command = moment_.plc.foreign_commands != foreign_commands_;
@@ -59,7 +59,7 @@ const Moment& Node::step(rig::Sequencer* sequencer, const Wishes& wishes, Time n
 /// A phase and its command are sent together: otherwise a delay before the next step would leave the controller with the previous phase's command,
 /// while figures are already counted from the new phase.
 bool Node::command_waits(std::span<const Frame> due) const {
-    return moment_.outputs.phase != said_ &&
+    return moment_.outputs.phase != sent_phase_ &&
            std::none_of(due.begin(), due.end(), [this](const Frame& frame) { return frame.id == layout_[Role::maneuver].id; });
 }
 
@@ -67,10 +67,10 @@ void Node::send(std::int64_t number) {
     // Takes note of what became of the link; the frames themselves are the recorder's.
     std::array<Frame, antiskid::can::RigPort::kMaxFrames> frames{};
     (void)bus_.receive(frames);
-    const antiskid::can::RigSample sample = telegram(moment_.outputs, moment_.plc.values, number);
+    const antiskid::can::RigSample sample = rig_sample(moment_.outputs, moment_.plc.values, number);
     const auto due = std::span(frames).first(port_.due_frames(sample, frames));
     if (command_waits(due)) (void)bus_.send(port_.maneuver(sample.maneuver));
-    said_ = moment_.outputs.phase;
+    sent_phase_ = moment_.outputs.phase;
     for (const Frame& frame : due) (void)bus_.send(frame);
     if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0 && load_cells_fresh(moment_.plc, limits_))
         (void)bus_.send(port_.load_cells(load_cells(moment_.plc.values)));

@@ -58,7 +58,7 @@ class Node {
     RigTime time_;
     ResetRequest reset_;
     Moment moment_;
-    rig::Phase said_ = rig::Phase::idle;  // phase in the newest command
+    rig::Phase sent_phase_ = rig::Phase::idle;  // phase in the newest command
     std::uint64_t steps_ = 0;
     std::uint64_t load_cell_steps_ = 1;
     std::uint64_t foreign_commands_ = 0;  // at the last step

@@ -1,5 +1,6 @@
 #include "rig_bridge/bridge/options.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "firmware/host/settings/command_line.hpp"

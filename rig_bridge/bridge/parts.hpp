@@ -23,10 +23,10 @@ struct BusNow {
     std::string error;            ///< why it is not up
     antiskid::can::BusView view;  ///< reception times on the steady clock
     /// Time at which `view` contained everything that had arrived. Ages are relative to it, so that a delayed reader takes no sender for silent.
-    antiskid::can::Time looked = antiskid::control::kNever;
+    antiskid::can::Time valid_at = antiskid::control::kNever;
     /// Why recent status frames of the controller were refused, by RejectedFrames; empty: none was.
     std::string controller_rejected;
-    /// Evidence of two controllers, by WhoSends; empty: none. The bridge's own frames are received too.
+    /// Evidence of two controllers, by DuplicateSenders; empty: none. The bridge's own frames are received too.
     std::string two_controllers;
     std::string two_bridges;
     double rim_mps = 0.0;        ///< flywheel, by its encoder

@@ -7,8 +7,8 @@ namespace rig::bridge {
 
 class RigTime {
   public:
-    /// `patience_s`: after this time without SYNC the machine's clock is used again.
-    explicit RigTime(double period_s, double patience_s = 0.2) : period_s_(period_s), patience_s_(patience_s) {}
+    /// `sync_timeout_s`: after this time without SYNC the machine's clock is used again.
+    explicit RigTime(double period_s, double sync_timeout_s = 0.2) : period_s_(period_s), sync_timeout_s_(sync_timeout_s) {}
 
     /// Rig time, s. Neither argument may decrease; `syncs`: SYNC frames so far.
     double at(double wall_s, std::uint64_t syncs) {
@@ -22,7 +22,7 @@ class RigTime {
             syncs_ = syncs;
             heard_ = true;
             heard_s_ = wall_s;
-        } else if (!heard_ || wall_s - heard_s_ > patience_s_) {
+        } else if (!heard_ || wall_s - heard_s_ > sync_timeout_s_) {
             rig_s_ += wall_s - wall_s_;
         }
         wall_s_ = wall_s;
@@ -31,7 +31,7 @@ class RigTime {
 
   private:
     double period_s_;
-    double patience_s_;
+    double sync_timeout_s_;
     bool started_ = false;
     bool heard_ = false;
     double heard_s_ = 0.0;

@@ -85,16 +85,16 @@ std::string Senders::text() const {
     return fmt::format("two senders of 0x{:03X}, at counters {} and {}", message_.id, chains_[before_].counter, at);
 }
 
-WhoSends::WhoSends(const antiskid::can::Layout& layout)
+DuplicateSenders::DuplicateSenders(const antiskid::can::Layout& layout)
     : valve_(layout[Role::valve]), status_(layout[Role::status]), maneuver_(layout[Role::maneuver]) {}
 
-void WhoSends::accept(const Frame& frame) {
+void DuplicateSenders::accept(const Frame& frame) {
     valve_.accept(frame);
     status_.accept(frame);
     maneuver_.accept(frame);
 }
 
-std::string WhoSends::two_controllers() const {
+std::string DuplicateSenders::two_controllers() const {
     const std::string status = status_.text();
     return status.empty() ? valve_.text() : status;
 }

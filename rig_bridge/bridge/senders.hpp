@@ -46,10 +46,10 @@ class Senders {
 };
 
 /// Detects second senders of messages that only one program of a rig may send.
-class WhoSends {
+class DuplicateSenders {
   public:
     /// `layout` must outlive it.
-    explicit WhoSends(const antiskid::can::Layout& layout);
+    explicit DuplicateSenders(const antiskid::can::Layout& layout);
 
     /// Every frame on the bus, in its order.
     void accept(const antiskid::can::Frame& frame);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <utility>
 
 #include "firmware/can/socket_can.hpp"
@@ -26,8 +27,8 @@ class Session::ModbusPlc final : public Plc {
   public:
     ModbusPlc(const RegisterMap& map, const std::string& address, std::function<modbus::ClockTime()> now, modbus::Polling polling)
         : client_(map, modbus::parse_plc_address(address), std::move(now), polling) {}
-    void look() { client_.look(); }
-    void turn(std::uint16_t number) { client_.turn(number); }
+    void read_all() { client_.read_all(); }
+    void write_turn(std::uint16_t number) { client_.write_turn(number); }
     void command(const CommandedValues& wanted) override { client_.command(wanted); }
     [[nodiscard]] modbus::Snapshot snapshot() const override { return client_.snapshot(); }
 
@@ -65,8 +66,8 @@ Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, T
       node_(setup.layout, setup.meter.period_s, setup.limits, *plc_, recorder_, bus_),
       timer_(clock_, Node::kStep) {
     if (!lockstep_) return;
-    plc_->look();
-    plc_->turn(kJoined);
+    plc_->read_all();
+    plc_->write_turn(kJoined);
 }
 
 Session::~Session() = default;
@@ -78,11 +79,11 @@ const Moment& Session::step(rig::Sequencer* sequencer, const ManeuverRequest* re
         (void)timer_.wait();
     const int stops = stops_.count();
     if (stops > 1) throw EndAtOnce{};
-    if (lockstep_) plc_->look();
+    if (lockstep_) plc_->read_all();
     const std::int64_t number = request == nullptr ? 0 : request->number;
     const Moment& moment = node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                                       lockstep_ ? lockstep_->now() : clock_.now());
-    if (lockstep_) plc_->turn(lockstep_->taken());
+    if (lockstep_) plc_->write_turn(lockstep_->end_turn());
     if (panel_ != nullptr) tell_panel(moment, request == nullptr && sequencer == nullptr);
     if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
         terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));
@@ -194,21 +195,21 @@ void Session::watch_rim(double standstill_mps) {
         view.note = rim_text(rim_mps, standstill_mps) + "; Ctrl-C ends the program at once";
         present(view, m);
     }
-    terminal_.leave();
+    terminal_.keep_block();
     terminal_.say("rig-bridge: " + rim_text(rim_mps, standstill_mps));
 }
 
 void Session::tell_of_abort(const Ran& ran, const std::filesystem::path& folder, const std::string& outcome) {
     if (setup_.options.on_abort.empty()) return;
     const std::string next = ran.record_error.empty() ? ran.advice : ran.record_error + ". Next: make room, or give another disk; start again";
-    const std::vector<std::string> news = environment_of({.outcome = outcome,
-                                                          .cause = ran.summary.outcome,
-                                                          .next_step = next,
-                                                          .campaign = ran.summary.campaign,
-                                                          .maneuver = ran.summary.number,
-                                                          .folder = folder});
+    const std::vector<std::string> environment = environment_of({.outcome = outcome,
+                                                                 .cause = ran.summary.outcome,
+                                                                 .next_step = next,
+                                                                 .campaign = ran.summary.campaign,
+                                                                 .maneuver = ran.summary.number,
+                                                                 .folder = folder});
     std::string failure;
-    meanwhile([&] { failure = run_hook(setup_.options.on_abort, news); });
+    meanwhile([&] { failure = run_hook(setup_.options.on_abort, environment); });
     if (!failure.empty()) terminal_.say("rig-bridge: --on-abort failed: " + failure);
 }
 
@@ -239,7 +240,7 @@ Ran Session::run(const ManeuverRequest& request) {
         recording = recorder_.take();
     }
     meanwhile([&] { run.finish(recording->log, samples); }, run.sequencer(), &request);
-    terminal_.leave();
+    terminal_.keep_block();
     record_error_ = run.record_error();
     ran.record_error = record_error_;
 

@@ -58,7 +58,7 @@ BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length)
     constexpr antiskid::can::Time kTurn{20'000'000};
     BusReception reception;
     antiskid::can::Observer observer(setup.layout);
-    WhoSends senders(setup.layout);
+    DuplicateSenders senders(setup.layout);
     try {
         const auto ids = antiskid::can::ids(setup.layout, antiskid::can::kEveryRole);
         antiskid::can::SocketCan bus(setup.options.interface, ids.span());

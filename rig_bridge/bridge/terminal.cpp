@@ -67,7 +67,7 @@ void Terminal::say(const std::string& text) {
     write(out + text + "\n");
 }
 
-void Terminal::leave() {
+void Terminal::keep_block() {
     height_ = 0;
     shown_ = false;
 }

@@ -25,7 +25,7 @@ class Terminal {
     /// Prints a line that stays above the block.
     void say(const std::string& text);
     /// Leaves the block on the screen; further output starts below it.
-    void leave();
+    void keep_block();
 
   private:
     /// Width of the terminal, else the environment's COLUMNS.

@@ -19,13 +19,13 @@ bool interlock(const modbus::Snapshot& plc, Interlock which) {
     return (bits >> static_cast<unsigned>(which) & 1U) != 0U;
 }
 
-double age_s(Time received, Time looked) {
-    return std::chrono::duration<double>(looked - received).count();
+double age_s(Time received, Time valid_at) {
+    return std::chrono::duration<double>(valid_at - received).count();
 }
 
-/// Received at most `limit_s` before the recorder last looked.
-bool fresh(Time received, Time looked, double limit_s) {
-    return received != kNever && age_s(received, looked) <= limit_s;
+/// Received at most `limit_s` before `valid_at`.
+bool fresh(Time received, Time valid_at, double limit_s) {
+    return received != kNever && age_s(received, valid_at) <= limit_s;
 }
 
 float brake_temperature_C(const MeasuredValues& plc) {
@@ -51,7 +51,7 @@ bool interlocks_good(const modbus::Snapshot& plc, const Freshness& limits) {
     return true;
 }
 
-Inputs look(const modbus::Snapshot& plc, const BusNow& bus, Time now, const Freshness& limits) {
+Inputs sequencer_inputs(const modbus::Snapshot& plc, const BusNow& bus, Time now, const Freshness& limits) {
     Inputs in;
     in.plc_fresh = plc_fresh(plc, limits);
     if (in.plc_fresh) {
@@ -70,19 +70,19 @@ Inputs look(const modbus::Snapshot& plc, const BusNow& bus, Time now, const Fres
     in.commit_rejected = plc.command == modbus::CommandState::rejected || plc.command == modbus::CommandState::unsendable;
     in.commit_late = plc.pending_s > limits.commit_s;
 
-    const bool listening = fresh(bus.looked, now, limits.recorder_s);
+    const bool listening = fresh(bus.valid_at, now, limits.recorder_s);
     in.bus_up = bus.up && listening;
     if (!listening) return in;
     in.two_senders = !bus.two_controllers.empty() || !bus.two_bridges.empty();
     const antiskid::can::BusView& v = bus.view;
-    in.sensors_fresh = fresh(v.wheel.received, bus.looked, limits.sensors_s) && fresh(v.flywheel.received, bus.looked, limits.sensors_s) &&
-                       fresh(v.pressure.received, bus.looked, limits.sensors_s);
+    in.sensors_fresh = fresh(v.wheel.received, bus.valid_at, limits.sensors_s) && fresh(v.flywheel.received, bus.valid_at, limits.sensors_s) &&
+                       fresh(v.pressure.received, bus.valid_at, limits.sensors_s);
     in.rim_mps = bus.rim_mps;
-    if (in.sensors_fresh) in.rim_age_s = age_s(v.flywheel.received, bus.looked);
+    if (in.sensors_fresh) in.rim_age_s = age_s(v.flywheel.received, bus.valid_at);
     in.wheel_radps = bus.wheel_radps;
     in.wheel_rim_mps = bus.wheel_rim_mps;
     in.pressure_Pa = static_cast<double>(v.pressure.pressure_Pa);
-    in.controller_fresh = fresh(v.controller.status_received, bus.looked, limits.controller_s);
+    in.controller_fresh = fresh(v.controller.status_received, bus.valid_at, limits.controller_s);
     in.controller_standby = v.controller.state == State::standby;
     in.controller_safe = v.controller.state == State::safe;
     in.controller_armed = !in.controller_standby && !in.controller_safe && v.controller.state != State::self_test;
@@ -101,7 +101,7 @@ CommandedValues commands(const Outputs& out, bool reset) {
     return values;
 }
 
-RigSample telegram(const Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number) {
+RigSample rig_sample(const Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number) {
     RigSample sample;
     sample.maneuver.law = static_cast<antiskid::control::Law>(out.law);
     sample.maneuver.arm = out.arm;

@@ -24,12 +24,12 @@ struct Freshness {
 [[nodiscard]] bool plc_fresh(const modbus::Snapshot& plc, const Freshness& limits);
 
 /// `now`: steady clock.
-[[nodiscard]] rig::Inputs look(const modbus::Snapshot& plc, const BusNow& bus, antiskid::can::Time now, const Freshness& limits);
+[[nodiscard]] rig::Inputs sequencer_inputs(const modbus::Snapshot& plc, const BusNow& bus, antiskid::can::Time now, const Freshness& limits);
 
 [[nodiscard]] CommandedValues commands(const rig::Outputs& out, bool reset);
 
 /// The bridge's values for the bus, without load cells, see load_cells().
-[[nodiscard]] antiskid::can::RigSample telegram(const rig::Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number);
+[[nodiscard]] antiskid::can::RigSample rig_sample(const rig::Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number);
 [[nodiscard]] antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc);
 /// Whether all three were read, and plc_watchdog has changed, within `load_cells_s`: a PLC whose program has stopped still answers, with old
 /// readings. plc_watchdog may count only every 100 ms, so with a limit of 100 ms single frames may be missing.

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <optional>
 #include <thread>
 
 #include "firmware/can/load_layout.hpp"

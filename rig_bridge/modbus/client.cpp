@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -67,7 +66,7 @@ class ModbusClient::Impl {
         if (thread_.joinable())
             thread_.join();
         else if (connection_.is_open() && map_.bridge_turn)
-            static_cast<void>(say_turn(kNoTurns));
+            static_cast<void>(send_turn(kNoTurns));
     }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
@@ -101,27 +100,27 @@ class ModbusClient::Impl {
         return shown;
     }
 
-    void round() {
+    void exchange() {
         if (const std::optional<LinkFailure> failed = connection_.is_open() ? cycle() : connect()) lose(*failed);
     }
 
-    void look() {
+    void read_all() {
         std::optional<LinkFailure> failed = connection_.is_open() ? std::nullopt : connect();
         if (!failed && connection_.is_open()) failed = poll();
         if (failed) lose(*failed);
     }
 
-    void turn(std::uint16_t number) {
+    void write_turn(std::uint16_t number) {
         if (!connection_.is_open()) return;
-        std::optional<LinkFailure> failed = tell();
-        if (!failed) failed = say_turn(number);
+        std::optional<LinkFailure> failed = write_due();
+        if (!failed) failed = send_turn(number);
         if (failed) lose(*failed);
     }
 
   private:
     using Failed = std::optional<LinkFailure>;
 
-    Failed say_turn(std::uint16_t number) {
+    Failed send_turn(std::uint16_t number) {
         const std::array word{number};
         count_request();
         return connection_.write(map_.bridge_turn.value().address, word);
@@ -131,7 +130,7 @@ class ModbusClient::Impl {
         auto next = std::chrono::steady_clock::now();
         while (true) {
             const bool polling = connection_.is_open();
-            round();
+            exchange();
             std::chrono::nanoseconds pause{0};
             if (!connection_.is_open()) {
                 pause = backoff_.next();
@@ -199,10 +198,10 @@ class ModbusClient::Impl {
 
     Failed cycle() {
         if (auto failed = poll()) return failed;
-        return connection_.is_open() ? tell() : std::nullopt;
+        return connection_.is_open() ? write_due() : std::nullopt;
     }
 
-    Failed tell() {
+    Failed write_due() {
         if (auto failed = move_watchdog()) return failed;
         return send_command();
     }
@@ -231,7 +230,7 @@ class ModbusClient::Impl {
         return std::nullopt;
     }
 
-    /// With the mutex held.
+    /// Requires the mutex.
     void look_at_plc() {
         const double watchdog = at(shown_.values, Measured::plc_watchdog);
         const auto applied = static_cast<std::uint16_t>(at(shown_.values, Measured::applied_commit));
@@ -243,7 +242,7 @@ class ModbusClient::Impl {
         }
         plc_watchdog_ = watchdog;
         if (!watchdog_at_) return;
-        // The first reading after our watchdog moved; once the PLC's own has moved on, it has seen that.
+        // This is the first reading after our watchdog counted; when the PLC's own has counted once more, the PLC has seen ours.
         if (!plc_watchdog_before_) plc_watchdog_before_ = watchdog;
         supervised_ = supervised_ || *plc_watchdog_before_ != watchdog;
     }
@@ -272,7 +271,7 @@ class ModbusClient::Impl {
         return std::nullopt;
     }
 
-    /// Only if the PLC runs and has seen our watchdog change: it would refuse commands of a bridge that it takes for dead.
+    /// Only if the PLC runs and has seen our watchdog count: it rejects commands of a bridge that it takes for dead.
     Failed send_command() {
         std::optional<RegisterImage> image;
         {
@@ -305,7 +304,7 @@ class ModbusClient::Impl {
         ++shown_.counters.requests;
     }
 
-    // Of the client's thread.
+    // Used only by the client's thread.
     const RegisterMap map_;
     const std::function<ClockTime()> now_;
     PlcConnection connection_;
@@ -314,9 +313,9 @@ class ModbusClient::Impl {
     const std::vector<Block> command_blocks_;
     RegisterImage inputs_;
     std::uint16_t watchdog_ = 0;
-    std::optional<ClockTime> watchdog_at_;  // moved last; none: not since the link was opened, or the user came back
+    std::optional<ClockTime> watchdog_at_;  // last count; none: none since the link was opened or the user returned
     std::optional<double> plc_watchdog_before_;
-    bool supervised_ = false;  // the PLC has seen our watchdog move
+    bool supervised_ = false;  // the PLC has seen our watchdog count
 
     StopSignal stop_;
     mutable std::mutex mutex_;  // guards what follows; never held while waiting for the PLC
@@ -339,14 +338,14 @@ void ModbusClient::command(const CommandedValues& wanted) {
 void ModbusClient::alive() {
     impl_->alive();
 }
-void ModbusClient::round() {
-    impl_->round();
+void ModbusClient::exchange() {
+    impl_->exchange();
 }
-void ModbusClient::look() {
-    impl_->look();
+void ModbusClient::read_all() {
+    impl_->read_all();
 }
-void ModbusClient::turn(std::uint16_t number) {
-    impl_->turn(number);
+void ModbusClient::write_turn(std::uint16_t number) {
+    impl_->write_turn(number);
 }
 Snapshot ModbusClient::snapshot() const {
     return impl_->snapshot();

@@ -101,11 +101,11 @@ class ModbusClient {
 
     // Polling::turns only, on the caller's thread.
     /// One poll: connects if needed, else reads everything and writes what is due.
-    void round();
+    void exchange();
     /// Connects if needed, reads everything.
-    void look();
+    void read_all();
     /// Writes what is due, then `number` into the map's bridge_turn. The destructor writes 0 there.
-    void turn(std::uint16_t number);
+    void write_turn(std::uint16_t number);
 
   private:
     class Impl;

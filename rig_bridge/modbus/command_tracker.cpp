@@ -51,7 +51,7 @@ void CommandTracker::want(const CommandedValues& wanted, ClockTime now) {
 }
 
 void CommandTracker::reconnected(std::uint16_t commit, ClockTime now) {
-    // Also away from our own last number: the PLC may have been restarted, and its answer to that one be gone.
+    // Skip our own last number, too: the PLC may have been restarted and lost its answer to that one.
     next_ = static_cast<std::uint16_t>(std::max(commit, commit_) + 1);
     standing_ = commit;
     looked_ = false;
@@ -62,7 +62,7 @@ void CommandTracker::reconnected(std::uint16_t commit, ClockTime now) {
 
 std::optional<RegisterImage> CommandTracker::due() {
     if (!any_ || !error_.empty() || (!resend_ && wanted_ == last_)) return std::nullopt;
-    // An answer from before the numbers wrapped around must not look like the one to this command.
+    // An answer from before the numbers wrapped around must not be mistaken for the answer to this command.
     while (next_ == 0 || next_ == applied_ || next_ == rejected_) ++next_;
     RegisterImage image(wanted_);
     static_cast<void>(image.write(map_.field(Commanded::commit), next_));
@@ -78,7 +78,7 @@ void CommandTracker::sending(const RegisterImage& image) {
     last_ = image;
     static_cast<void>(last_.write(number, 0.0));
     resend_ = false;
-    // A command that replaces an unanswered one counts from the time of that one.
+    // For a command that replaces an unanswered one, the waiting time counts from the earlier one.
     if (answer_ != CommandState::pending) unanswered_at_ = wished_at_;
     answer_ = CommandState::pending;
     wished_at_ = newest_at_;
@@ -89,13 +89,14 @@ bool CommandTracker::foreign(std::uint16_t number, std::uint16_t before) const {
 }
 
 void CommandTracker::expect(std::uint16_t number) {
-    // More than a PLC can be behind and still confirm in time.
+    // More than a PLC can lag behind and still confirm in time.
     constexpr std::size_t kMaxUnanswered = 64;
     unanswered_.push_back(number);
     if (unanswered_.size() > kMaxUnanswered) unanswered_.pop_front();
 }
 
-/// This number is ours, and earlier ones can no longer be answered, because a PLC handles only the newest; if they appear later, they are foreign.
+/// Takes a number that is ours: earlier ones can no longer be answered, because a PLC handles only the newest; if they appear later, they are
+/// foreign.
 void CommandTracker::answered(std::uint16_t number) {
     const auto found = std::find(unanswered_.begin(), unanswered_.end(), number);
     if (found != unanswered_.end()) unanswered_.erase(unanswered_.begin(), found + 1);
@@ -110,7 +111,7 @@ void CommandTracker::count_foreign(std::uint16_t number) {
 void CommandTracker::standing(std::uint16_t commit) {
     if (commit == standing_ || commit == commit_ || commit == 0) return;
     count_foreign(commit);
-    expect(commit);  // the PLC's answer to it is no second one
+    expect(commit);  // the PLC's answer to it must not count as a second command
 }
 
 void CommandTracker::seen(std::uint16_t applied, std::uint16_t rejected, ClockTime now) {

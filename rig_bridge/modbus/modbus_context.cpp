@@ -54,7 +54,7 @@ StopSignal::StopSignal() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
 
 void StopSignal::raise() const {
     const std::uint64_t one = 1;
-    static_cast<void>(!::write(event_.get(), &one, sizeof one));  // fails only when raised already
+    static_cast<void>(!::write(event_.get(), &one, sizeof one));  // fails only if it is set already
 }
 
 bool StopSignal::wait_for(std::chrono::nanoseconds time) const {

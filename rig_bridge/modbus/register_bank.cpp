@@ -64,7 +64,7 @@ void RegisterBank::publish() {
         at(commands_.commanded, Commanded::bridge_watchdog) = at(now, Commanded::bridge_watchdog);
         commands_.open_interlocks = interlocks_from_register(map_, open);
     }
-    // After all that was written before it.
+    // After all registers written before it.
     if (map_.bridge_turn) bridge_turn_ = static_cast<std::uint16_t>(holdings_.read(*map_.bridge_turn).value);
 }
 

@@ -9,7 +9,7 @@ namespace rig::modbus {
 namespace {
 
 constexpr unsigned kSpace = 65536;
-constexpr unsigned kMaxReadWritten = 121;  // written by one request of function code 23, 6.17
+constexpr unsigned kMaxReadWritten = 121;  // most registers written by one request of function code 23, section 6.17
 
 Exception judge_read(std::span<const std::uint8_t> pdu, const RegisterSet& registers) {
     if (pdu.size() != 5) return Exception::illegal_data_value;
@@ -23,7 +23,7 @@ Exception judge_write_one(std::span<const std::uint8_t> pdu, std::size_t length,
     return registers.contains(word_at(pdu, 1), 1) ? Exception::none : Exception::illegal_data_address;
 }
 
-/// `at`: where address, count, byte count and values stand.
+/// `at`: offset of address, count, byte count and values.
 Exception judge_write(std::span<const std::uint8_t> pdu, std::size_t at, unsigned max, const RegisterSet& registers) {
     if (pdu.size() < at + 5) return Exception::illegal_data_value;
     const unsigned count = word_at(pdu, at + 2);

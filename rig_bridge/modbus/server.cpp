@@ -76,7 +76,7 @@ class TcpListener {
     settings::FileDescriptor socket_;
 };
 
-/// Who may connect.
+/// The clients that may connect.
 class AllowedPeers {
   public:
     explicit AllowedPeers(const ServerOptions& options) : tell_(options.on_rejected) {
@@ -233,8 +233,8 @@ class ModbusServer::Impl {
         std::array<std::uint8_t, MODBUS_MAX_ADU_LENGTH> bytes{};
         const int length = modbus_receive(rtu_->context(), bytes.data());
         if (length == 0) {
-            // For another unit. libmodbus would now take our next request for that unit's answer; there is none on this
-            // line, and asking for it, which waits for the response time-out only, is what makes libmodbus forget it.
+            // A request for another unit. libmodbus would now take our next request for that unit's answer, which never comes on this line; receiving
+            // once, which only waits for the response timeout, makes libmodbus forget the request.
             static_cast<void>(modbus_receive(rtu_->context(), bytes.data()));
             return;
         }
@@ -247,7 +247,7 @@ class ModbusServer::Impl {
         static_cast<void>(answer(rtu_->context(), adu, kRtuHeader, kRtuChecksum, bytes[0] == MODBUS_BROADCAST_ADDRESS));
     }
 
-    /// False when the answer cannot be delivered, or nothing shall be any more.
+    /// False: the answer cannot be delivered, or the server is to stop.
     bool answer(modbus_t* context, std::span<const std::uint8_t> adu, std::size_t header, std::size_t checksum, bool silent) {
         ++requests_;
         if (const double hang_s = bank_.take_hang(); hang_s > 0.0) {

@@ -1,4 +1,4 @@
-/// What a panel is of, as its page asks first.
+/// Description of a panel, which its page reads first.
 #pragma once
 
 #include <string>
@@ -6,23 +6,23 @@
 
 namespace rig::panel {
 
-/// Something to try: a word of several, or a number.
+/// An input that the user can change: one of several words, or a number.
 struct Field {
     std::string key, label, unit{};
     std::vector<std::string> words{};  ///< empty: a number
     double min = 0.0, max = 1.0, step = 0.01;
-    std::string value;  ///< at first
+    std::string value;  ///< initial value
 };
 
 struct About {
     std::string title;
-    bool simulated = false;          ///< no rig moves
-    std::vector<std::string> views;  ///< of the page: live, recorded, what_if
-    std::string emergency_stop{};    ///< where it is; empty: nothing moves
+    bool simulated = false;          ///< no real rig moves
+    std::vector<std::string> views;  ///< views of the page: live, recorded, what_if
+    std::string emergency_stop{};    ///< location of the emergency stop; empty: nothing moves
     std::vector<Field> what_if{};
 };
 
-/// `changes`: names of what may be changed with the token.
+/// `changes`: names of the changes that the token permits.
 [[nodiscard]] std::string to_json(const About& about, const std::vector<std::string>& changes);
 
 }  // namespace rig::panel

@@ -15,7 +15,7 @@ void Broadcast::publish(std::string_view event, const std::string& data) {
             ++first_;
         }
     }
-    news_.notify_all();
+    changed_.notify_all();
 }
 
 void Broadcast::close() {
@@ -23,14 +23,14 @@ void Broadcast::close() {
         const std::lock_guard lock(mutex_);
         closed_ = true;
     }
-    news_.notify_all();
+    changed_.notify_all();
 }
 
 std::optional<std::string> Broadcast::take(Place& place, std::chrono::milliseconds wait) {
     std::unique_lock lock(mutex_);
     std::string text;
     if (!place.began) place = {.began = true, .next = first_};
-    news_.wait_for(lock, wait, [&] { return closed_ || first_ + kept_.size() > place.next; });
+    changed_.wait_for(lock, wait, [&] { return closed_ || first_ + kept_.size() > place.next; });
     if (closed_ || place.next < first_) return std::nullopt;
     for (; place.next < first_ + kept_.size(); ++place.next) text += kept_[place.next - first_];
     return text.empty() ? ":\n\n" : text;

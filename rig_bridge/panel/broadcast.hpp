@@ -1,4 +1,5 @@
-/// Events for viewers: each takes them at its own pace; who falls behind by more than is kept is dropped, and nobody is waited for.
+/// Distributes events to viewers. Each reads at its own pace; a viewer that falls behind by more than kKept events is dropped, so that nobody waits
+/// for it.
 #pragma once
 
 #include <chrono>
@@ -14,23 +15,24 @@ namespace rig::panel {
 
 class Broadcast {
   public:
-    static constexpr std::size_t kKept = 512;  ///< some eight seconds of pixels and states, which a new viewer has at once
+    static constexpr std::size_t kKept = 512;  ///< about eight seconds of pixels and states, which a new viewer gets at once
 
     void publish(std::string_view event, const std::string& data);
-    /// No viewer gets anything from now on.
+    /// After this call no viewer gets anything.
     void close();
 
-    /// Where a viewer is.
+    /// Position of a viewer.
     struct Place {
         bool began = false;
         std::uint64_t next = 0;
     };
-    /// What is new for it as server-sent events, after at most `wait`; a comment where nothing is. None: it fell behind, or all is over.
+    /// New events for a viewer as server-sent events, after at most `wait`; a comment if there are none. None: the viewer fell behind, or the
+    /// broadcast is closed.
     [[nodiscard]] std::optional<std::string> take(Place& place, std::chrono::milliseconds wait);
 
   private:
     std::mutex mutex_;
-    std::condition_variable news_;
+    std::condition_variable changed_;
     std::deque<std::string> kept_;
     std::uint64_t first_ = 0;  // number of the oldest that is kept
     bool closed_ = false;

@@ -1,4 +1,4 @@
-/// The channels of a maneuver over time, for the page's plots.
+/// Signals of a maneuver over time for the page's plots.
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@ namespace rig::panel {
 
 class Curves {
   public:
-    /// Time counts from brake-on.
+    /// `sample`: time since brake-on.
     void add(const LiveSample& sample);
     [[nodiscard]] bool empty() const { return time_.empty(); }
-    /// {"t":[...],"rim":[...],...} in the channels' units; a channel of which nothing is known is left out.
+    /// {"t":[...],"rim":[...],...} in the channels' units, without channels that have no known value.
     [[nodiscard]] std::string json() const;
 
   private:

@@ -1,4 +1,4 @@
-/// What a program's loop hands to its panel, without ever waiting for it: samples through a ring, states as a function that makes their text in
+/// Passes data from a program's loop to its panel without making the loop wait: samples through a ring, states as a function that makes their text in
 /// the panel's thread.
 #pragma once
 
@@ -20,9 +20,9 @@ struct Channel {
     const char* key;
     const char* label;
     const char* unit;
-    const char* chart;  ///< channels of one chart share its axis
+    const char* chart;  ///< charts with several channels have one axis
     double scale;       ///< from SI
-    bool dashed;        ///< where several runs lie over each other
+    bool dashed;        ///< line style when several runs are overlaid
 };
 
 enum class Signal : std::uint8_t { rim, wheel, slip, slip_reference, demand, pressure, current, load, temperature };
@@ -40,7 +40,7 @@ inline constexpr std::array<Channel, kSignals> kChannels{{
     {"temperature", "brake", "\u00b0C", "temperature", 1.0, false},
 }};
 
-/// In SI units, mA and degrees Celsius; NaN: not known.
+/// Values in SI units, mA and degrees Celsius; NaN: unknown.
 struct LiveSample {
     LiveSample() { value.fill(std::numeric_limits<double>::quiet_NaN()); }
     double& operator[](Signal signal) { return value[static_cast<std::size_t>(signal)]; }
@@ -49,12 +49,12 @@ struct LiveSample {
     std::array<double, kSignals> value{};
 };
 
-/// All samples of one pixel: the least, the greatest and the last of each signal, so that no peak between two pixels is lost.
+/// Summary of all samples of one pixel: minimum, maximum and last value of each signal, so that no peak is lost.
 class Pixel {
   public:
     void add(const LiveSample& sample);
     [[nodiscard]] bool empty() const { return samples_ == 0; }
-    /// {"t":1.02,"v":[[min,max,last],...]} in the channels' units, null for what is not known.
+    /// {"t":1.02,"v":[[min,max,last],...]} in the channels' units; null for unknown values.
     [[nodiscard]] std::string json() const;
 
   private:
@@ -62,24 +62,24 @@ class Pixel {
     LiveSample least_, greatest_, last_;
 };
 
-/// One writing thread, the program's loop; one reading thread, the server's.
+/// For one writing thread, the program's loop, and one reading thread, the server's.
 class LiveFeed {
   public:
     using States = std::function<std::optional<std::string>()>;
-    /// `states`, where the loop is not to make them: asked by the reader, none where there are no new ones.
+    /// `states`: source of the states, called by the reader, if the loop does not make them; returns none if there are no new ones.
     explicit LiveFeed(States states = {}) : states_(std::move(states)) {}
 
-    /// What does not fit is left out: the panel stands still, not the loop.
+    /// A sample for which the ring has no room is dropped.
     void sample(const LiveSample& sample) { (void)ring_.push(sample); }
-    /// Whether states are wanted again.
+    /// Whether new states are due.
     [[nodiscard]] bool state_due(double now_s) const { return now_s >= next_state_s_ || now_s < next_state_s_ - 2.0 * kState_s; }
     using Text = std::function<std::string()>;
-    /// States of the loop; `text` makes one JSON object of them, in the reader's thread, so it owns what it needs. Left out, and due again at once,
-    /// while the reader takes the one before.
+    /// Passes states of the loop. `text` makes a JSON object of them in the reader's thread and must own its data. While the reader takes the
+    /// previous ones the call has no effect, and states stay due.
     void state(Text text, double now_s);
 
     using Publish = std::function<void(std::string_view event, const std::string& data)>;
-    /// Reader only: one pixel of all samples since the last call, and the states if there are new ones.
+    /// For the reader: publishes one pixel of all samples since the last call, and the states if there are new ones.
     void collect(const Publish& publish);
 
   private:

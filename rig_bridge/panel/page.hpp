@@ -1,9 +1,9 @@
-/// The page's own files, out of this room.
+/// The page's files, from this folder.
 #pragma once
 
 namespace rig::panel {
 
-/// Of the package libjs-dygraphs.
+/// Directory of the Debian package libjs-dygraphs.
 inline constexpr const char* kChartsLibrary = "/usr/share/javascript/dygraphs";
 
 extern const char* const kIndexHtml;

@@ -1,4 +1,4 @@
-/// `--panel [ADDRESS:PORT]` of a program.
+/// Adds the option `--panel [ADDRESS:PORT]` to a program.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,7 +9,7 @@
 
 namespace rig::panel {
 
-/// `address` stays empty where there is to be no panel. A wrong one is refused with std::invalid_argument while the command line is read.
+/// `address` stays empty without the option. An invalid address throws std::invalid_argument while the command line is read.
 inline CLI::Option* add_panel_option(CLI::App& app, std::string& address) {
     return app
         .add_option_function<std::string>(

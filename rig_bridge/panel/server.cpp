@@ -12,7 +12,6 @@
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
 #include <deque>
 #include <fstream>
 #include <iterator>

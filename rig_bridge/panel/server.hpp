@@ -1,12 +1,12 @@
-/// The panel's web server: pages and live view for who looks, changes for who has the token. It knows no rig: what it shows is handed in as
-/// text, what it may do as functions.
+/// The panel's web server: anybody with access may see pages and live view; changes need the token. It does not know the rig: data are passed to it
+/// as text, and changes as functions.
 ///
 ///     LiveFeed feed;                                                  // the program's loop writes it, and never waits
 ///     Server server({.address = parse_address("127.0.0.1:8410"), .about = about, .reads = {}, .changes = {}}, &feed);
 ///     say(server.greeting());
 ///
-/// Threads of its own serve it, as many as kThreads; they inherit priority and signal mask from whoever constructs it, so that is done ahead
-/// of real time. One request a connection, 4 KiB a body, 20 viewers of events; more wait or are refused.
+/// It has kThreads threads, which inherit priority and signal mask from the constructing thread: construct it before real-time operation starts.
+/// Limits: one request per connection, bodies of 4 KiB, 20 viewers of events; further ones wait or are refused.
 #pragma once
 
 #include <cstdint>
@@ -29,10 +29,10 @@ struct Address {
     int port = 8410;                 ///< 0: any free one
 };
 inline constexpr const char* kDefaultAddress = "127.0.0.1:8410";
-/// "127.0.0.1:8410", "[::1]:8410". Throws std::invalid_argument: no such address, or one that means every interface.
+/// Parses "127.0.0.1:8410" or "[::1]:8410". Throws std::invalid_argument for an invalid address, and for one that stands for every interface.
 [[nodiscard]] Address parse_address(std::string_view text);
 
-/// Parameters of a request: its query, or the fields of its form.
+/// Parameters of a request: those of its query, or the fields of its form.
 class Query {
   public:
     explicit Query(std::multimap<std::string, std::string> values) : values_(std::move(values)) {}
@@ -46,7 +46,7 @@ class Query {
     std::multimap<std::string, std::string> values_;
 };
 
-/// JSON. What it throws becomes the answer's `error` with status 400, of a Busy 503. Called by several threads at a time.
+/// Returns JSON. An exception becomes the answer's `error` with status 400, for Busy 503. Called by several threads at once.
 using Handler = std::function<std::string(const Query&)>;
 class Busy : public std::runtime_error {
   public:
@@ -57,7 +57,7 @@ struct ServerOptions {
     Address address;
     About about;
     std::map<std::string, Handler> reads{};  ///< by name, GET /api/NAME
-    /// POST /api/NAME, with the token in X-Panel-Token.
+    /// By name, POST /api/NAME, with the token in X-Panel-Token.
     std::map<std::string, Handler> changes{};
     std::filesystem::path charts = kChartsLibrary;
 };
@@ -68,7 +68,7 @@ class Server {
     static constexpr std::size_t kThreads = 28;
     static constexpr std::size_t kLongestBody = 4096;
 
-    /// Listens when it returns. `feed` must outlive it; none: no live view. Throws std::runtime_error where the address is not to be had.
+    /// Listens when it returns. `feed` must outlive it; null: no live view. Throws std::runtime_error if the address cannot be bound.
     explicit Server(ServerOptions options, LiveFeed* feed = nullptr);
     ~Server();
     Server(const Server&) = delete;
@@ -76,7 +76,7 @@ class Server {
 
     [[nodiscard]] int port() const;
     [[nodiscard]] const std::string& token() const;
-    /// Where the page is, for people, and where there are changes the link that may make them.
+    /// Text for people: the page's address and, if there are changes, the link that permits them.
     [[nodiscard]] std::string greeting() const;
     [[nodiscard]] int viewers() const;
 
@@ -85,7 +85,7 @@ class Server {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Takes as long for every text of the token's length.
+/// Whether `said` is the token; takes the same time for every text of the token's length.
 [[nodiscard]] bool is_token(std::string_view said, std::string_view token);
 
 }  // namespace rig::panel

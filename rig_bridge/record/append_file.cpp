@@ -1,7 +1,6 @@
 #include "rig_bridge/record/append_file.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -57,7 +56,7 @@ void AppendFile::flush() {
     while (done < buffer_.size()) {
         const std::int64_t written = file_->append({buffer_.data() + done, buffer_.size() - done});
         if (written <= 0) {
-            // Whole lines that did get to the disk count; the piece of one after them is cut off.
+            // Complete lines that reached the disk count; an incomplete last one is cut off.
             const auto begin = buffer_.begin();
             const auto end = begin + static_cast<std::ptrdiff_t>(done);
             lines_in_buffer_ -= static_cast<std::uint64_t>(std::count(begin, end, '\n'));
@@ -78,7 +77,7 @@ void AppendFile::fail(int error) {
     missing_ += lines_in_buffer_;
     lines_in_buffer_ = 0;
     buffer_.clear();
-    // Where this fails, too, the last line stays a piece: readers name it.
+    // If this fails, too, the last line stays incomplete; readers report it.
     static_cast<void>(file_->truncate(size_));
 }
 

@@ -40,7 +40,7 @@ void BusMeter::accept(const antiskid::can::Frame& frame) {
     flywheel_reported_ = flywheel_reported_ || role == Role::flywheel;
     load_cells_reported_ = load_cells_reported_ || role == Role::load_cells;
     braked_ = braked_ || (role == Role::maneuver_state && v.maneuver_state.phase == kBraking);
-    // Until spin-up ends with arming, the controller still names what an earlier maneuver left.
+    // Until spin-up ends with arming, the controller still reports the faults of an earlier maneuver.
     if (role == Role::faults && v.maneuver_state.phase > kSpinUp) faults_.insert(v.controller.faults);
     if (!samples_.ended()) return;
     meter_.feed({.time_s = samples_.time_s(),

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <system_error>
 
 #include "firmware/can/raw_socket.hpp"
 
@@ -63,7 +62,7 @@ Capture::Capture(const std::string& interface, const CaptureOptions& options) : 
     socket.set_option(SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on, "FD frames");
     socket.set_option(SOL_SOCKET, SO_TIMESTAMPNS, on, "time stamps");
     socket.set_option(SOL_SOCKET, SO_RXQ_OVFL, on, "the drop counter");
-    // Beyond net.core.rmem_max with CAP_NET_ADMIN only.
+    // Exceeds net.core.rmem_max only with CAP_NET_ADMIN.
     const int bytes = options.receive_buffer_bytes;
     if (setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0)
         socket.set_option(SOL_SOCKET, SO_RCVBUF, bytes, "the receive buffer");

@@ -50,7 +50,7 @@ EdgeTrack::Step EdgeTrack::between(const Report& before, const Report& after, co
 bool EdgeTrack::follows(const Report& before, const Step& step, double now_s) const {
     if (step.edges == 0) return true;
     if (step.edges - 1.0 > limits_.edges_per_s * (now_s - before.newest_s + before.late_s + limits_.late_s)) return false;
-    // Of the first report's edge nobody knows how old it was: there `before_s` is minus infinity. One that came late may be older than that.
+    // The age of the first report's edge is unknown: its `before_s` is minus infinity. The edge of a late report may be older than that.
     return seconds(step.time) <= now_s - std::min(before.before_s, before.first_s - before.late_s) + limits_.late_s;
 }
 
@@ -129,8 +129,8 @@ double EdgeTrack::speed(double window_s) const {
     const double time = seconds(edge(0).time - edge(age).time);
     if (!(time > 0.0)) return 0.0;
     const double mean = static_cast<double>(edge(0).edges - edge(age).edges) * pitch_ / time;
-    // From report to report, and not by one alone: frames that come late, as over a bus and on a busy host, are no slower shaft. At nearly an
-    // edge a report some report has none.
+    // Over two reports, not one: frames that are late, on a bus and on a busy host, do not mean a slower shaft. At nearly one edge per report some
+    // reports have none.
     if (last_.without_edge < 2) return mean;
     const double since = last_.newest_s - last_.first_s;
     return mean * since > pitch_ ? pitch_ / since : mean;

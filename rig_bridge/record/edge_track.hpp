@@ -53,7 +53,7 @@ class EdgeTrack {
     /// The same on the sensor's own clock.
     [[nodiscard]] double stamp_s() const;
     /// Number of update() calls that brought an edge.
-    [[nodiscard]] std::uint64_t news() const { return size_; }
+    [[nodiscard]] std::uint64_t edge_updates() const { return size_; }
     /// Time of the newest accepted report; minus infinity before the first.
     [[nodiscard]] double heard_s() const { return last_.newest_s; }
     /// Number of restarts of the sensor.

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -85,7 +84,7 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
         compare("seed", old.seed, campaign.seed);
         compare("config hash", old.config_hash, campaign.config_hash);
         specimen = taken_over(specimen, old.specimen);
-        for (const auto part : {&Specimen::brake, &Specimen::disc})  // wear of another one is another campaign's
+        for (const auto part : {&Specimen::brake, &Specimen::disc})  // wear of another brake or disc belongs to another campaign
             if (!(old.specimen.*part).empty()) compare(part == &Specimen::brake ? "brake" : "disc", old.specimen.*part, specimen.*part);
         if (!resumed.changed.empty() && changed == IfChanged::reject) {
             throw settings::Error(path, 0, "",
@@ -173,13 +172,13 @@ std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& 
     try {
         Summary summary = read_summary(folder / "summary.json", *storage);
         if (summary.campaign == campaign.name && summary.number == number) {
-            // Whoever wrote it may have died before its name was on the disk, and the row that it makes is not to outlive it.
+            // The program that wrote it may have died before its name was on the disk; the ledger's row must not be on the disk without it.
             if (const int error = storage->sync_directory(folder); error != 0)
                 throw LedgerError((folder / "summary.json").string() + ": " + std::strerror(error));
             return summary;
         }
     } catch (const settings::Error&) {
-        // Not there, or not whole: the maneuver did not come to its end.
+        // Missing or incomplete: the maneuver did not end.
     }
     return std::nullopt;
 }
@@ -230,7 +229,7 @@ double Ledger::cumulative_energy_J() const {
 }
 
 double Ledger::Impl::cumulative_J() const {
-    // Rows with figures have in their sums what was amended before they began.
+    // The sums in rows with figures contain the amendments made before that row began.
     Statement sum = database.prepare(
         "WITH last AS (SELECT id, cumulative_energy_J AS J FROM maneuvers WHERE campaign = ?1 AND "
         "cumulative_energy_J IS NOT NULL ORDER BY id DESC LIMIT 1) "

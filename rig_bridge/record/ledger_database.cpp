@@ -47,7 +47,7 @@ constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
     throw LedgerError(path + ": " + why + ")");
 }
 
-/// Element i brings schema i + 1 to schema i + 2. A new ledger is schema 1 brought to the newest, so that there is one way to each.
+/// Element i migrates schema i + 1 to schema i + 2. A new ledger is schema 1 migrated to the newest, so that each schema is made in one way only.
 constexpr std::array<const char*, kLedgerSchema - 1> kMigrations{
     R"(
 ALTER TABLE maneuvers ADD COLUMN health TEXT NOT NULL DEFAULT 'unknown'
@@ -94,7 +94,7 @@ CREATE TABLE said (  -- of a maneuver's specimen, afterwards
 )",
 };
 
-/// Of a ledger of schema 1.
+/// The tables of schema 1.
 std::string first_schema() {
     std::string figures;
     for (const FigureField& field : kFigureFields) figures += std::string(field.key) + " REAL,\n";

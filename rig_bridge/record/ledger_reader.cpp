@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
 #include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
@@ -56,7 +55,7 @@ std::vector<Note> notes(const LedgerDatabase& database, std::int64_t maneuver) {
     return all;
 }
 
-/// What people said afterwards holds; notes are added to each other.
+/// A later note replaces the recorded field; free notes are appended.
 void take(const Note& note, Specimen& specimen) {
     for (const SpecimenField& field : kSpecimenFields) {
         if (note.field != field.key) continue;

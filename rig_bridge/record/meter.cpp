@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -18,16 +17,18 @@ constexpr std::uint8_t kSettling = 3;
 constexpr std::uint8_t kBraking = 4;
 constexpr std::uint8_t kStandstill = 5;
 
-/// Longer at brake-on, where the speed is nearly constant and counts most.
+/// Longer at brake-on, where the speed is nearly constant and has the greatest effect.
 constexpr double kWindow_s = 0.01;
 constexpr double kBrakeOnWindow_s = 0.03;
-/// After an abort the brake lets go: what it takes meanwhile is its energy, too. Not before the windows of all speeds lie behind the abort.
+/// After an abort the brake releases; the energy that it takes meanwhile counts, too. The measurement lasts at least until the windows of all speeds
+/// are after the abort.
 constexpr double kMinRelease_s = 0.06, kMaxRelease_s = 0.5;
-/// A sensor that reports speed says zero, or its least count, at standstill.
+/// At standstill a sensor that reports speed reads zero or its least count.
 constexpr double kStands = 0.02;
-/// Half way, as a ratio, to the nearest mistake of unit: bar for MPa is ten. A brake at its wear limit has half of its first friction.
+/// Half the distance, as a ratio, to the nearest mistake of unit: bar for MPa is a factor of ten. A brake at its wear limit has half of its first
+/// friction.
 constexpr double kImplausibleFriction = 3.16;
-/// Torque comes through the PLC, later than pressure: at brake-on their ratio says nothing.
+/// Torque passes the PLC and is later than pressure: just after brake-on their ratio means nothing.
 constexpr double kJudgedFriction_s = 0.2;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
@@ -81,7 +82,7 @@ void Meter::Shaft::update(const ShaftSample& sample, double now_s, double scale)
     const double speed = sample.speed_radps * scale;
     if (started_) way_ += 0.5 * (speed + speed_) * (now_s - last_s_);
     if (speed > kStands) {
-        ++moving_;
+        ++moving_updates_;
         moving_s_ = now_s;
     }
     started_ = true;
@@ -117,7 +118,7 @@ void Meter::feed(const MeterSample& sample) {
         flywheel_.measure_clock_again();
     }
     const bool begins = (sample.phase == kBraking || sample.braked) && (!fed_ || last_.phase != kBraking);
-    // The brake came on while nothing was heard: it counts from the speeds before that.
+    // Brake-on happened while no frames came: the speeds before the gap are used.
     const bool unseen = begins && fed_ && (sample.phase != kBraking || sample.time_s - last_.time_s > kBrakeOnWindow_s);
     if (unseen) start(last_);
     wheel_.update(sample.wheel, sample.time_s, 1.0);
@@ -164,13 +165,13 @@ void Meter::start(const MeterSample& sample) {
     start_mps_ = flywheel_.edges() ? flywheel_.track().speed(kBrakeOnWindow_s) : flywheel_.speed();
     start_radps_ = wheel_.edges() ? wheel_.track().speed(kBrakeOnWindow_s) : wheel_.speed();
     sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
-    books_ = WorkBooks(sample.time_s);
+    work_balance_ = WorkBalance(sample.time_s);
     knot_ = knot_at(sample);
     hole_ = false;
     sliding_pressure_Pas_ = sliding_way_m_ = 0.0;
     peak_temperature_C_ = sample.brake_temperature_C;
     tail_.assign(1, sums_);
-    news_ = flywheel_.news();
+    motion_updates_ = flywheel_.motion_updates();
 }
 
 Work Meter::by_cells(const MeterSample& sample) const {
@@ -186,7 +187,7 @@ Work Meter::by_cells(const MeterSample& sample) const {
             .friction_way_m = load > 0.0 ? force / load * k.sliding_m : 0.0};
 }
 
-/// The equations of motion of flywheel and wheel, the load being what it last was.
+/// Integrates the equations of motion of flywheel and wheel, with the last known load.
 Work Meter::by_speeds(const MeterSample& sample) {
     const double v = flywheel_speed_, omega = wheel_.speed();
     const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
@@ -194,7 +195,7 @@ Work Meter::by_speeds(const MeterSample& sample) {
     const double rim_Ns = parameters_.flywheel_mass_kg * (last_flywheel_mps_ - v);
     const double wheel_Nms = parameters_.wheel_inertia_kgm2 * (last_wheel_radps_ - omega);
     const double mean_mps = 0.5 * (last_flywheel_mps_ + v), mean_radps = 0.5 * (last_wheel_radps_ + omega);
-    // Of a hole by what was counted across it. A wheel that is silent slips as it did.
+    // Across a gap the slip is that of the counted distances. A wheel without readings keeps its last slip.
     const bool counted = knot_.hole && knot_.angle > 0.0 && knot_.metres > 0.0;
     if (hears(wheel_, sample.time_s))
         rolling_ = counted ? radius * knot_.angle / knot_.metres : mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
@@ -212,9 +213,9 @@ void Meter::integrate(const MeterSample& sample) {
     const double pressure = 0.5 * (sample.pressure_Pa + last_.pressure_Pa);
     const bool repeated =
         sample.brake_torque_Nm == last_.brake_torque_Nm && sample.vertical_N == last_.vertical_N && sample.longitudinal_N == last_.longitudinal_N;
-    const bool moves = hears(wheel_, sample.time_s) && hears(flywheel_, sample.time_s);  // else torque has no angle
+    const bool moves = hears(wheel_, sample.time_s) && hears(flywheel_, sample.time_s);  // without motion, torque has no angle
     const CellReading reading = !sample.load_cells_reported || !moves ? CellReading::none : repeated ? CellReading::repeated : CellReading::fresh;
-    const bool silent = books_.silent();
+    const bool silent = work_balance_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
     knot_.hole = knot_.hole || !moves || h > kBrakeOnWindow_s;
     const double metres = flywheel_.way() - last_flywheel_way_;
@@ -223,9 +224,9 @@ void Meter::integrate(const MeterSample& sample) {
     knot_.metres += metres;
     if (sliding()) knot_.sliding_s += h;
     if (!dropped_out_) knot_.sliding_m += metres;
-    if (books_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample))) knot_ = knot_at(sample);
+    if (work_balance_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample))) knot_ = knot_at(sample);
     sums_.time_s = sample.time_s;
-    sums_.torque_Nms = books_.work().torque_Nms;
+    sums_.torque_Nms = work_balance_.work().torque_Nms;
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
     sums_.pressure_Pas += pressure * h;
     if (!dropped_out_) {
@@ -233,9 +234,9 @@ void Meter::integrate(const MeterSample& sample) {
         sliding_way_m_ += metres;
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }
-    if (books_.silent() && !silent) tail_.clear();  // it had the other torque
-    if (flywheel_.news() != news_) {
-        news_ = flywheel_.news();
+    if (work_balance_.silent() && !silent) tail_.clear();  // its entries have the other source of torque
+    if (flywheel_.motion_updates() != motion_updates_) {
+        motion_updates_ = flywheel_.motion_updates();
         tail_.clear();
     }
     if (tail_.size() < kTail) tail_.push_back(sums_);
@@ -284,13 +285,13 @@ std::vector<std::string> Meter::warnings() const {
         if (const std::uint64_t n = shaft->track().restarts(); n != 0) all.push_back(fmt::format("encoder_restarted: {} {}", what, n));
     if (state_ == State::waiting) return all;
     const Figures f = figures();
-    if (const double silent_s = books_.silent_s(); silent_s > 0.0)
+    if (const double silent_s = work_balance_.silent_s(); silent_s > 0.0)
         all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells or encoders silent for {:.3g} s", kEnergyBySpeeds,
-                                  books_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
+                                  work_balance_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
-    // A rig that does not measure F_x knows nothing of the tyre's part.
-    const bool too_little = f.energy_tyre_J != books_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
+    // A rig that does not measure F_x does not know the tyre's energy.
+    const bool too_little = f.energy_tyre_J != work_balance_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
     if (too_little || used_J > f.kinetic_energy_J + band_J)
         all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy", kEnergyUnbalanced, used_J * 1e-6,
                                   f.kinetic_energy_J * 1e-6));
@@ -307,7 +308,7 @@ Figures Meter::now() const {
     const double end_s = standstill_ ? flywheel_.rest_s() : sums_.time_s;
     const double end_way_m = standstill_ ? flywheel_.rest_way() : flywheel_.way();
     const Sums sums = standstill_ ? sums_at(end_s) : sums_;
-    const Work& work = books_.work();
+    const Work& work = work_balance_.work();
     f.brake_on_mps = start_mps_;
     f.duration_s = end_s - start_s_;
     f.length_m = end_way_m - start_way_m_;

@@ -13,7 +13,7 @@
 /// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
 /// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
 ///
-/// While load cells or encoders are silent, the work is computed from the speeds before and after (WorkBooks); the warning "energy_by_speeds: ..."
+/// While load cells or encoders are silent, the work is computed from the speeds before and after (WorkBalance); the warning "energy_by_speeds: ..."
 /// says how much.
 ///
 /// Their sum must equal the kinetic energy lost, eq. (8); otherwise the figures are invalid and warnings() reports it.
@@ -30,7 +30,7 @@
 #include "firmware/can/rig_sample.hpp"
 #include "rig_bridge/record/edge_track.hpp"
 #include "rig_bridge/record/summary.hpp"
-#include "rig_bridge/record/work_books.hpp"
+#include "rig_bridge/record/work_balance.hpp"
 
 namespace rig::record {
 
@@ -131,7 +131,7 @@ class Meter {
         [[nodiscard]] double speed() const { return speed_; }
         [[nodiscard]] const EdgeTrack& track() const { return track_; }
         [[nodiscard]] bool edges() const { return edges_; }
-        [[nodiscard]] std::uint64_t news() const { return edges_ ? track_.news() : moving_; }
+        [[nodiscard]] std::uint64_t motion_updates() const { return edges_ ? track_.edge_updates() : moving_updates_; }
         [[nodiscard]] double heard_s() const { return edges_ ? track_.heard_s() : heard_s_; }
         /// Instant and way at which it came to rest.
         [[nodiscard]] double rest_s() const;
@@ -147,7 +147,7 @@ class Meter {
         double last_s_ = 0.0;
         double heard_s_ = -std::numeric_limits<double>::infinity();
         double moving_s_ = 0.0;
-        std::uint64_t moving_ = 0;
+        std::uint64_t moving_updates_ = 0;
     };
     enum class State : std::uint8_t { waiting, braking, releasing, over };
 
@@ -188,7 +188,7 @@ class Meter {
     double rolling_ = 1.0;           // 1 - lambda, as it last was known
     double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
     Sums sums_;
-    WorkBooks books_;
+    WorkBalance work_balance_;
     /// The newest new reading of the load cells, and what was since.
     struct Knot {
         double torque_Nm = 0.0, vertical_N = 0.0, longitudinal_N = 0.0;
@@ -205,7 +205,7 @@ class Meter {
     double ended_s_ = 0.0;
     double peak_temperature_C_ = 0.0;
     Figures final_;
-    std::uint64_t news_ = 0;
+    std::uint64_t motion_updates_ = 0;
     std::vector<Sums> tail_;  // since the flywheel's last edge: standstill lies among them; capacity kTail from the start
 };
 

@@ -23,7 +23,7 @@ std::optional<Role> SampleStream::accept(const antiskid::can::Frame& frame) {
     return role;
 }
 
-/// The number has no CRC: a leap counts once the next number goes on from it.
+/// The number has no CRC: a jump counts only when the next number continues from it.
 bool SampleStream::count_sync() {
     const std::uint32_t number = view().sync_number;
     const antiskid::can::Signal& counter = layout_.sync_counter;
@@ -31,7 +31,7 @@ bool SampleStream::count_sync() {
     if (sync_ && counter.bound()) {
         const std::uint64_t mask = counter.mask();
         passed = (number - last_sync_) & mask;
-        if (passed == 0) return false;  // the same sample said twice
+        if (passed == 0) return false;  // a repeated sample
         constexpr std::uint64_t kLeap = 8;
         const bool goes_on = leapt_to_ && ((number - *leapt_to_) & mask) == 1;
         leapt_to_.reset();
@@ -40,7 +40,7 @@ bool SampleStream::count_sync() {
             return false;
         }
         if (passed > mask / 2) {
-            passed = 1;  // the rig counts anew
+            passed = 1;  // the rig has restarted its count
             ++restarts_;
         }
     }
@@ -57,7 +57,7 @@ void SampleStream::count_stamp(antiskid::can::Time stamp) {
     if (!stamped_) first_us_ = newest_us_ = us;
     stamped_ = true;
     if (us < newest_us_) {
-        // From here on the stamps run on from where they had been.
+        // From here on the stamps continue from the previous ones.
         first_us_ -= newest_us_ - us;
         ++steps_back_;
     }

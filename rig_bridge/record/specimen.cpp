@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <string_view>
 
@@ -10,7 +9,7 @@ namespace rig::record {
 
 namespace {
 
-/// Bytes of the UTF-8 character at the start of `text`; 0: none is there. Overlong ones and surrogates are none.
+/// Length of the UTF-8 character at the start of `text`; 0: there is none. Overlong forms and surrogates do not count.
 std::size_t utf8_length(std::string_view text) {
     const auto byte = [text](std::size_t i) -> unsigned { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
     const unsigned first = byte(0);

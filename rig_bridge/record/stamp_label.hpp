@@ -16,8 +16,8 @@ class StampLabel {
     /// For the kernel's stamp of a frame that came at `monotonic`: the kernel's stamp itself, unless the clock was set; never decreases.
     [[nodiscard]] antiskid::can::Time of(antiskid::can::Time stamp, antiskid::can::Time monotonic) {
         const antiskid::can::Time set = stamp - monotonic - offset_;
-        const antiskid::can::Time news = set - set_;
-        if (news > kNoise || news < -kNoise) set_ = set;
+        const antiskid::can::Time change = set - set_;
+        if (change > kNoise || change < -kNoise) set_ = set;
         return last_ = std::max(last_, stamp - set_);
     }
     [[nodiscard]] antiskid::can::Time of(antiskid::can::Time monotonic) const { return monotonic + offset_; }

@@ -91,7 +91,7 @@ void write_summary(const std::filesystem::path& path, const Summary& summary, co
     for (const SpecimenField& field : kSpecimenFields) json[field.key] = summary.specimen.*field.value;
     json["outcome"] = summary.outcome;
     json["started"] = summary.started;
-    for (const FigureField& field : kFigureFields) json[field.key] = summary.figures.*field.value;  // no number: null
+    for (const FigureField& field : kFigureFields) json[field.key] = summary.figures.*field.value;  // NaN becomes null
     json["standstill"] = summary.figures.standstill;
     json["cumulative_energy_J"] = summary.cumulative_energy_J;
     json["faults"] = summary.faults;

@@ -50,7 +50,7 @@ class BusRecording final : public Recording {
     [[nodiscard]] std::string troubles() const override { return warnings_.summary(); }
 
   private:
-    /// In the order of Channel; NaN before the first frame that says it.
+    /// In the order of Channel; NaN before the first frame with that value.
     [[nodiscard]] std::array<double, kChannelCount> values() {
         const antiskid::can::BusView& view = signals_.view();
         const auto said = [](float value, antiskid::control::Time received) {

@@ -43,10 +43,10 @@ can_frame as_kernel_frame(const LogFrame& from) {
     return frame;
 }
 
-/// A SocketCAN socket that only sends, and sends whatever a log may hold: both identifier lengths, data and remote frames.
+/// A SocketCAN socket that only sends, any frame that a log may contain: both identifier lengths, data and remote frames.
 class RawCanSender final : public FrameSender {
   public:
-    /// Throws std::runtime_error naming the interface and what mends it when it is absent, down or no CAN.
+    /// Throws std::runtime_error naming the interface and the remedy if it is missing, down or not CAN.
     explicit RawCanSender(const std::string& interface) : interface_(interface) {
         const unsigned index = if_nametoindex(interface.c_str());
         if (index == 0) reject(interface, "there is none; for a virtual one: ip link add " + interface + " type vcan");
@@ -114,7 +114,7 @@ struct BusCommand {
             if (!interface.empty()) of_log.interface = interface;
             return std::make_unique<LogReader>(log, of_log, warnings);
         };
-        (void)open();  // a log that is not there is said before the interface is touched
+        (void)open();  // reports a missing log before the interface is opened
         RawCanSender sender(can);
         if (priority > 0) become_realtime();
         antiskid::host::MonotonicClock clock;

@@ -70,8 +70,7 @@ std::filesystem::path ledger_at(const std::filesystem::path& where) {
 }
 
 std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
-    const std::vector<record::Campaign> all =
-        record::read_campaigns(ledger);  // in any case: whoever opens a ledger to write makes it where there is none
+    const std::vector<record::Campaign> all = record::read_campaigns(ledger);  // in any case: opening a ledger for writing creates a missing one
     if (!wanted.empty()) return wanted;
     if (all.size() == 1) return all.front().name;
     std::string names;

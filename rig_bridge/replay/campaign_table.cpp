@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "firmware/host/settings/csv_field.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "0012" or "0012.3"
+/// Parses "0012" or "0012.3".
 std::optional<ManeuverFolder> as_maneuver(const fs::path& path) {
     const std::string name = path.filename().string();
     ManeuverFolder folder{.path = path, .number = 0, .attempt = 1};
@@ -82,7 +83,7 @@ class Rebuild {
         }
         row.specimen = ledger != nullptr ? ledger->summary.specimen : row.summary.specimen;
         row.disc_energy_J = disc_.after(row.specimen, energy_J_);
-        // A summary says what was known when it was written; sums that were amended since are not.
+        // A summary has the values at the time of writing; sums that were amended later differ.
         if (stated) compare(row.summary, *stated, "summary.json", !amended_, row.differences);
         if (ledger != nullptr && (row.ended || ledger->has_figures)) compare(row.summary, ledger->summary, "the ledger", true, row.differences);
         if (table_.with_ledger) compare_state(row, ledger);
@@ -96,7 +97,7 @@ class Rebuild {
             differences.push_back(fmt::format("warnings are '{}' from the log, '{}' in {}", fmt::join(from_log.warnings, "; "),
                                               fmt::join(stated.warnings, "; "), where));
         }
-        // Amendments add up in another order.
+        // With amendments the order of additions differs.
         const double rounding_J = amended_ ? 1e-9 * std::abs(energy_J_) : 0.0;
         if (sums && !(std::abs(energy_J_ - stated.cumulative_energy_J) <= rounding_J)) {
             differences.push_back(fmt::format("cumulative_energy_J is {} from the logs, {} in {}", energy_J_, stated.cumulative_energy_J, where));
@@ -136,7 +137,7 @@ class Rebuild {
         return found == sources_.ledger.end() ? nullptr : &*found;
     }
 
-    /// Whether its log counts.
+    /// Whether the attempt's log counts.
     bool measure(CampaignRow& row) {
         if (row.summary.scenario.empty()) row.summary.scenario = scenario_;
         const fs::path log = log_in(row.folder.path);
@@ -156,7 +157,7 @@ class Rebuild {
 
     const CampaignSources& sources_;
     CampaignTable table_;
-    std::string scenario_;  // of the campaign, for an attempt that says nothing of it
+    std::string scenario_;  // of the campaign; for attempts without one
     double energy_J_ = 0.0;
     record::DiscEnergy disc_;
     bool amended_ = false;
@@ -181,7 +182,7 @@ const record::LedgerRow* row_of(const std::vector<record::LedgerRow>& rows, cons
 void enter(record::Ledger& ledger, const std::string& campaign, const CampaignRow& row, const record::LedgerRow* old) {
     std::optional<double> slip_reference;
     if (old != nullptr) slip_reference = old->slip_reference;
-    // An attempt without a folder had none to begin with, or lost it: nothing is known of it.
+    // An attempt without a folder never had one, or lost it: nothing is known of it.
     while (ledger.begin(row.folder.number, row.summary.started, slip_reference, row.summary.specimen).attempt < row.folder.attempt)
         ledger.mark_unfinished();
     if (!row.ended) {

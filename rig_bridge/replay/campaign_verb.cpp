@@ -61,7 +61,7 @@ struct CampaignCommand {
         return table.different() == 0 ? 0 : 1;
     }
 
-    /// As the ledger has it; without one, as the summaries say.
+    /// The campaign as in the ledger; without a ledger, as in the summaries.
     [[nodiscard]] static record::Campaign campaign_of(const fs::path& ledger, const std::string& name, const CampaignTable& table) {
         if (!ledger.empty())
             for (const record::Campaign& campaign : record::read_campaigns(ledger))
@@ -78,13 +78,13 @@ struct CampaignCommand {
         throw std::runtime_error(name + ": no maneuver has a summary.json, so nothing is known of the campaign");
     }
 
-    /// Empty: none there.
+    /// Empty: there is none.
     [[nodiscard]] static fs::path ledger_in(const fs::path& directory) {
         const fs::path file = directory / "campaign.sqlite";
         return fs::exists(file) ? file : fs::path();
     }
 
-    /// The folder that holds the maneuvers: `folder`, or the one campaign of the ledger in it.
+    /// Folder of the maneuvers: `folder`, or that of the only campaign of the ledger in it.
     [[nodiscard]] fs::path campaign_folder() const {
         fs::path given = fs::absolute(folder / "").parent_path();
         const fs::path inside = ledger_in(given);

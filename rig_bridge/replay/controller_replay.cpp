@@ -22,7 +22,7 @@ using antiskid::can::Role;
 
 namespace {
 
-/// What the loop sends goes to the comparison; what it receives comes through the pacer.
+/// Frames sent by the loop are compared; received frames come through the pacer.
 class ComparedBus final : public antiskid::can::Bus {
   public:
     explicit ComparedBus(FrameComparison& comparison) : comparison_(comparison) {}
@@ -38,14 +38,14 @@ class ComparedBus final : public antiskid::can::Bus {
     FrameComparison& comparison_;
 };
 
-/// Nothing in the loop depends on it but the pauses between closing commands.
+/// The loop uses it only for the pauses between closing commands.
 class NoClock final : public antiskid::host::Clock {
   public:
     [[nodiscard]] Time now() override { return {}; }
     void sleep_until(Time) override {}
 };
 
-/// Large: on the heap.
+/// Too large for the stack.
 struct Machine {
     Machine(const antiskid::controller::ControllerSetup& setup, const PacerSettings& settings, LogReader& log)
         : comparison(setup.layout),
@@ -60,10 +60,10 @@ struct Machine {
     antiskid::can::ControllerPort port;
     antiskid::control::Controller controller;
     RecordedPacer pacer;
-    antiskid::host::CycleRing ring;  // nobody reads it: full, it takes no more
+    antiskid::host::CycleRing ring;  // never read: when it is full, records are dropped
 };
 
-/// "100#8D000000"
+/// Text of a frame: "100#8D000000".
 std::string text_of(const Frame& frame) {
     std::array<char, antiskid::can::kCandumpLineMax> line{};
     const std::size_t size = antiskid::can::format_candump(Time{0}, "x", frame, line);

@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <map>
 #include <memory>
 
 #include "rig_bridge/replay/controller_replay.hpp"

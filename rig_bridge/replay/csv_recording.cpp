@@ -79,7 +79,7 @@ class CsvRecording final : public Recording {
         for (const std::size_t place : places_) units_.emplace_back(place < cells_.size() ? cells_[place] : std::string_view());
     }
 
-    /// False where the cell holds no number; NaN and an infinity are none.
+    /// False if the cell has no finite number.
     [[nodiscard]] bool number(std::string_view cell, double& value) {
         text_.assign(cell);
         if (map_.decimal == ',') std::replace(text_.begin(), text_.end(), ',', '.');

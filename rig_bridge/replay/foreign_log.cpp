@@ -25,9 +25,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// That of the Debian package python3-can.
+/// The interpreter of the Debian package python3-can.
 constexpr const char* kPython = "/usr/bin/python3";
-/// foreign_log.py has them.
+/// Exit statuses of foreign_log.py.
 constexpr int kUnreadable = 3, kDamaged = 4;
 
 struct Pipe {
@@ -44,7 +44,7 @@ std::string word(LogFormat format) {
     return format == LogFormat::vector_asc ? "asc" : format == LogFormat::vector_blf ? "blf" : "trc";
 }
 
-/// What the child of a real-time player must not inherit, and what its standard streams are.
+/// Standard streams of the child, and what it must not inherit from a real-time player.
 class SpawnSettings {
   public:
     SpawnSettings(int in, int out, int err) {
@@ -116,7 +116,7 @@ ForeignLog::ForeignLog(const fs::path& file, LogFormat format) : name_(file.stri
     size_ = static_cast<double>(fs::file_size(file));
     Pipe out = make_pipe(name_), err = make_pipe(name_);
     const SpawnSettings spawn(file_.get(), out.write.get(), err.write.get());
-    // -P: nothing beside the log is taken for a module.
+    // -P: files beside the log are not imported as modules.
     std::array<std::string, 5> words{kPython, "-P", "-c", kForeignLogScript, word(format)};
     std::array<char*, 6> arguments{};
     std::transform(words.begin(), words.end(), arguments.begin(), [](std::string& text) { return text.data(); });
@@ -135,7 +135,7 @@ ForeignLog::~ForeignLog() {
 }
 
 double ForeignLog::share() const {
-    // The process reads by the same open file.
+    // The process reads through the same open file.
     const auto at = static_cast<double>(::lseek(file_.get(), 0, SEEK_CUR));
     return size_ > 0.0 ? std::clamp(at / size_, 0.0, 1.0) : 1.0;
 }

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <string>
 
 #include "firmware/can/layout.hpp"
 #include "rig_bridge/replay/log_reader.hpp"

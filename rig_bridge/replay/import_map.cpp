@@ -26,7 +26,7 @@ constexpr std::array<Kind, kChannelCount> kKinds{{{"wheel_speed", Quantity::angu
                                                   {"valve_current", Quantity::current, false},
                                                   {"brake_temperature", Quantity::temperature, false}}};
 
-/// `also`: another quantity that will do.
+/// `also`: another quantity that is accepted.
 ImportColumn column(const Table& t, Quantity quantity, Quantity also) {
     ImportColumn c{.column = t.text("column"), .unit_name = t.text("unit"), .unit = {}};
     const auto unit = antiskid::can::find_unit(c.unit_name);
@@ -45,7 +45,7 @@ char one_character(const Table& t, const char* key, const std::string& text) {
     return text[0];
 }
 
-/// Layout, and the channels that it has. Paths are relative to the map's own folder.
+/// Reads the layout and determines its channels. Paths are relative to the map's folder.
 void read_layout(const Table& t, const std::filesystem::path& beside, ImportMap& map) {
     map.layout_files = {beside / t.text("dbc"), beside / t.text("binding")};
     map.layout = antiskid::can::load_layout(map.layout_files[0], map.layout_files[1]);

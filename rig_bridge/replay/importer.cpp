@@ -16,7 +16,7 @@ using rig::Phase;
 
 namespace {
 
-/// Those channels in the same order.
+/// The map's channels, in the order of Channel.
 std::vector<Channel> wanted_channels(const ImportMap& map) {
     std::vector<Channel> channels;
     for (std::size_t i = 0; i < kChannelCount; ++i)
@@ -24,7 +24,7 @@ std::vector<Channel> wanted_channels(const ImportMap& map) {
     return channels;
 }
 
-/// The columns of `map`, time first, then the channels that it has.
+/// The columns of `map`: time, then its channels.
 std::vector<std::string> wanted_columns(const ImportMap& map) {
     std::vector<std::string> columns{map.time.column};
     for (const auto& channel : map.channels)
@@ -43,13 +43,13 @@ void compare_stated(const Recording& recording, const ImportMap& map, std::size_
     notes.add("unit", map.unit_row, fmt::format("column '{}' states '{}', the map '{}'", column.column, stated, column.unit_name));
 }
 
-/// `warnings`: of single frames of a log.
+/// `warnings`: about single frames of a log.
 std::unique_ptr<Recording> open(const ImportSettings& settings, const LogWarnings::Sink& warnings) {
     if (settings.map.layout) return open_bus(settings.file, settings.map, settings.rig.meter, warnings);
     return open_recording(settings.file, settings.map, wanted_columns(settings.map));
 }
 
-/// Tells the progress of one of the two readings.
+/// Reports the progress of one of the two passes.
 class Reading {
   public:
     Reading(const ImportSettings& settings, const Recording& recording, double before)
@@ -66,7 +66,7 @@ class Reading {
     std::uint64_t rows_ = 0;
 };
 
-/// While the wheel rolls freely its rim goes as fast as the flywheel's: the unit of one is wrong where it does not.
+/// While the wheel rolls freely its rim is as fast as the flywheel's; otherwise the unit of one of them is wrong.
 class RollingSurvey {
   public:
     explicit RollingSurvey(const ImportSettings& s)
@@ -75,7 +75,7 @@ class RollingSurvey {
           flywheel_(factor_of(Channel::flywheel_speed, s.map.channels[1]->unit, s.rig.meter.flywheel_radius_m)),
           pressure_(s.map.channels[2]->unit.factor) {}
 
-    /// The three channels that every map has come first.
+    /// Every map has the three channels that come first.
     void add(const RecordedRow& row) {
         const double v_mps = row.values[2] * flywheel_;
         const double rim_mps = row.values[1] * wheel_;
@@ -106,7 +106,7 @@ class RollingSurvey {
     std::uint64_t count_ = 0;
 };
 
-/// Throws std::runtime_error naming column, values and likely unit.
+/// Throws std::runtime_error naming the column, its values and the likely unit.
 void survey_units(const ImportSettings& settings, ImportNotes& notes) {
     const ImportMap& map = settings.map;
     const double radius_m = settings.rig.meter.flywheel_radius_m;
@@ -250,7 +250,7 @@ class Importer {
         ready_ = false;
     }
 
-    /// Of the pressure, where torque over pressure is not the brake's.
+    /// Likely unit of the pressure, if torque over pressure does not fit the brake.
     [[nodiscard]] std::string likely_unit() const {
         if (!(rig_.meter.friction > 0.0)) return {};
         const ImportColumn& column = *map_.channels[static_cast<std::size_t>(Channel::pressure)];
@@ -260,7 +260,7 @@ class Importer {
 
     void end(const std::string& outcome) {
         ImportSample last = newest_;
-        // The phase that ends the figures, and time for it to be seen.
+        // The phase that ends the figures, long enough to be noticed.
         for (int i = 1; i <= 20; ++i) {
             last.time_s += 1e-3;
             writer_->add(last, outcome == "finished" ? Phase::retract : Phase::aborting);

@@ -46,7 +46,7 @@ bool LineSource::refill() {
     std::memmove(block_.get(), block_.get() + begin_, end_ - begin_);
     end_ -= begin_;
     begin_ = 0;
-    // At most what is asked for in one read of a plain file goes straight into the block.
+    // One read of a plain file goes directly into the block and returns at most the requested bytes.
     const int got = gzread(file_.get(), block_.get() + end_, static_cast<unsigned>(kBlock - end_));
     int code = Z_OK;
     const char* const says = gzerror(file_.get(), &code);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "rig_bridge/replay/log_reader.hpp"
@@ -15,20 +14,20 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A log says nothing of the last second or two before a power cut.
+/// After a power cut the last one or two seconds are missing in a log.
 bool may_go_on_to_brake(rig::Phase phase) {
     using rig::Phase;
     return phase == Phase::touchdown || phase == Phase::settling || phase == Phase::braking;
 }
 
-/// What the next bridge found.
+/// State of the rig when the next bridge started.
 struct FoundRig {
     double rim_mps = 0.0;
     double kinetic_J = 0.0;
     bool coasts = false;  ///< the brake has released, so lately that drag took less than 1 % of a stop
 };
 
-/// None where it is not known, or so late that anybody may have turned it.
+/// None: it is not known, or so late that the rig may have been moved.
 std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiskid::can::Layout& layout, const record::MeterParameters& parameters) {
     constexpr Time kSoon{60'000'000'000}, kAtOnce{10'000'000'000};
     if (!fs::exists(file)) return std::nullopt;
@@ -43,19 +42,20 @@ std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiski
     if (meter.view().flywheel.received == antiskid::control::kNever || later < Time{} || later > kSoon) return std::nullopt;
     const double v = meter.meter().speed_mps();
     const bool released = static_cast<double>(meter.view().pressure.pressure_Pa) < record::kReleased_Pa;
-    // Below drop-out a wheel may be held; a rig that started anew stands.
+    // Below drop-out a wheel may be held; a rig that restarted is at rest.
     return FoundRig{v, meter.meter().kinetic_energy_J(), released && later <= kAtOnce && v > parameters.drop_out_mps};
 }
 
-/// Of what was left when the log ended: the brake's part of what was lost until the rig was found counts, the most of the rest is named.
+/// Adds the energy after the end of the log: the brake's part of the energy lost until the rig was found; the largest possible part of the rest is
+/// reported.
 void add_what_followed(MeteredLog& out, const record::Meter& meter, rig::Phase phase, const std::optional<FoundRig>& found) {
-    constexpr double kBrakeShare = 0.88;  // 1 - slip, which is between none and the 0.24 of most friction
+    constexpr double kBrakeShare = 0.88;  // 1 - slip; slip is between 0 and 0.24, that of the greatest friction
     double max_J = meter.kinetic_energy_J();
     std::string text = fmt::format("ends_in_{}: at {:.1f} m/s", name(phase), meter.speed_mps());
     if (found && found->rim_mps <= meter.speed_mps()) {
         max_J = std::max(max_J - found->kinetic_J, 0.0);
         text += fmt::format(", the rim still at {:.1f} m/s when the next bridge came", found->rim_mps);
-        // In touchdown it is the wheel's spin-up that slows the rim.
+        // In touchdown the spin-up of the wheel slows the rim.
         if (found->coasts && phase != rig::Phase::touchdown) {
             const double brake_J = kBrakeShare * max_J;
             out.figures.energy_brake_J += brake_J;

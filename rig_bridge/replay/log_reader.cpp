@@ -18,7 +18,7 @@ namespace {
 using antiskid::can::CandumpFailure;
 using antiskid::can::CandumpLine;
 
-/// All that a candump line has; a carriage return may stand at its end.
+/// Whether the line has only characters of a candump line; a carriage return may end it.
 bool is_text(std::string_view line) {
     return std::all_of(line.begin(), line.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\t'; });
 }

@@ -27,7 +27,7 @@ class MappedFile {
             throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
         if (!S_ISREG(status.st_mode)) throw std::runtime_error(path.string() + ": is no file");
         size_ = static_cast<std::size_t>(status.st_size);
-        if (size_ == 0) return;  // of which there is no map
+        if (size_ == 0) return;  // an empty file cannot be mapped
         void* const begin = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
         if (begin == MAP_FAILED) throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
         begin_ = begin;
@@ -90,7 +90,7 @@ class MatRecording final : public Recording {
     }
 
   private:
-    /// "p", "bench.p", "data:3".
+    /// `column`: "p", "bench.p", "data:3".
     std::vector<double> load(const std::string& column) {
         const auto colon = column.find(':');
         const auto dot = column.find('.');

@@ -15,11 +15,11 @@ namespace rig::replay {
 
 namespace {
 
-/// The bytes of a MATLAB element in order, as they lie in the file or inflated on the way.
+/// Reads the bytes of a MATLAB element in order, plain or inflated.
 class MatBytes {
   public:
     virtual ~MatBytes() = default;
-    /// False when there are fewer left; `out` is then of no use.
+    /// False: fewer bytes are left, and `out` is invalid.
     [[nodiscard]] virtual bool take(std::span<unsigned char> out) = 0;
     [[nodiscard]] virtual bool skip(std::uint64_t count) = 0;
 };
@@ -43,7 +43,7 @@ class PlainBytes final : public MatBytes {
     std::span<const unsigned char> left_;
 };
 
-/// Inflates into what is asked for: of what is skipped nothing is kept, however long it is.
+/// Inflates only what is requested; skipped bytes are not kept, however many.
 class InflatedBytes final : public MatBytes {
   public:
     explicit InflatedBytes(std::span<const unsigned char> compressed) {
@@ -96,7 +96,7 @@ enum Class : std::uint32_t {
     opaque = 17
 };
 
-/// Bytes of one value; 0: the type holds no values.
+/// Size of one value in bytes; 0: the type has no values.
 std::uint32_t value_size(std::uint32_t type) {
     constexpr std::array<std::uint32_t, 19> kSizes{0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8, 0, 0, 1, 2, 4};
     return type < kSizes.size() ? kSizes[type] : 0;
@@ -106,7 +106,7 @@ std::uint64_t padded(std::uint64_t size) {
     return (size + 7) / 8 * 8;
 }
 
-/// Saturates.
+/// Product, saturated.
 std::uint64_t product(std::uint64_t a, std::uint64_t b) {
     std::uint64_t result = 0;
     return __builtin_mul_overflow(a, b, &result) ? UINT64_MAX : result;
@@ -118,10 +118,10 @@ std::uint32_t number(std::span<const unsigned char> four, bool big_endian) {
     return value;
 }
 
-/// One variable of version 5 and all that is in it.
+/// One variable of version 5 with all its contents.
 class Variable {
   public:
-    /// `place`: where `bytes` begin, for messages.
+    /// `place`: position of `bytes`, for messages.
     Variable(MatBytes& bytes, bool inflated, bool big_endian, std::string place)
         : bytes_(bytes), inflated_(inflated), big_endian_(big_endian), place_(std::move(place)) {}
 
@@ -139,7 +139,7 @@ class Variable {
     struct Tag {
         std::uint32_t type = 0;
         std::uint32_t size = 0;
-        std::uint32_t small = 0;  // its first four bytes, of an element that lies in its own tag
+        std::uint32_t small = 0;  // its first four bytes, if the data are in the tag itself
         bool is_small = false;
     };
 
@@ -206,8 +206,8 @@ class Variable {
         if (left != 0) fail(fmt::format("{} bytes are left over after the variable", left));
     }
 
-    /// A table, string or datetime: of no known order within but for what it begins with. In one that is a part, or not compressed, matio
-    /// takes the tag of its name for that of dimensions, and what follows for the name.
+    /// Checks a table, string or datetime, of which only the beginning has a known format. If it is a member of another variable, or is not
+    /// compressed, matio mistakes the tag of its name for that of the dimensions, and the following element for the name.
     void check_object(std::uint64_t left, int depth) {
         if (depth > 1 || !inflated_) {
             const Tag name = next_tag(left);
@@ -284,7 +284,7 @@ class Variable {
         const Tag tag = next_tag(left);
         const std::uint64_t size = value_size(tag.type);
         if (size == 0) fail(fmt::format("values of a type {} that there is not", tag.type));
-        // A letter of UTF-8 has one to four bytes.
+        // A character of UTF-8 has one to four bytes.
         const bool fits = tag.type == Type::utf8 ? tag.size >= count && tag.size <= product(count, 4) : tag.size == product(count, size);
         if (!fits) fail(fmt::format("{} bytes of values; its dimensions say {} of {}", tag.size, count, size));
         skip_data(tag, left);
@@ -326,11 +326,11 @@ void check_version_4(const std::string& name, std::span<const unsigned char> fil
     constexpr std::array<std::uint64_t, 6> kSizes{8, 4, 4, 2, 2, 1};
     constexpr std::size_t kHead = 20;
     constexpr std::uint32_t kMaxType = 4052;
-    // The type says the order of bytes by itself, too; matio goes by what it says.
+    // The type also shows the byte order; matio follows the type.
     const bool big_endian = file.size() >= kHead && number(file, false) > kMaxType;
     for (std::size_t at = 0; at < file.size();) {
         const auto reject = [&](const std::string& what) {
-            // What begins otherwise is no file of version 4 at all.
+            // A file that begins otherwise is not of version 4.
             if (at == 0) throw std::runtime_error(name + kNoMat);
             throw std::runtime_error(fmt::format("{}: byte {}: {}", name, at, what));
         };

@@ -2,7 +2,6 @@
 /// damaged file states.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <string>
 

@@ -8,7 +8,7 @@ using antiskid::can::Role;
 
 MeasuredSignals::MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s) : log_(log), samples_(layout, period_s) {
     if (!layout[Role::sync].bound) return;
-    constexpr std::size_t kAhead = 2000;  // frames looked at to find out whether there is SYNC
+    constexpr std::size_t kAhead = 2000;  // number of frames in which SYNC is searched
     for (LogFrame f; ahead_.size() < kAhead && log_.next(f);) ahead_.push_back(f);
     lockstep_ = std::any_of(ahead_.begin(), ahead_.end(), [&](const LogFrame& f) { return f.frame.id == layout[Role::sync].id; });
     if (lockstep_) samples_.expect_sync();

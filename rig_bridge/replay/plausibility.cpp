@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace rig::replay {
 
@@ -10,7 +9,7 @@ using antiskid::can::Quantity;
 
 namespace {
 
-// Lively: slower than any maneuver, softer than any braking. Temperature says nothing: the brake may be cold.
+// Limits for lively signals: slower than any maneuver, softer than any braking. Temperature has none: the brake may be cold.
 constexpr std::array<PlausibleRange, kChannelCount> kRanges{{{-5.0, 600.0, 20.0},
                                                              {-1.0, 120.0, 5.0},
                                                              {-5e5, 4e7, 2e5},
@@ -50,7 +49,7 @@ bool ChannelSurvey::wrong_unit() const {
 
 namespace {
 
-/// Those units that fit, without `but`.
+/// The units that fit, except `but`.
 template <typename Fits>
 std::string list_units(std::initializer_list<Quantity> quantities, const std::string& but, Fits fits) {
     std::string list;

@@ -18,14 +18,14 @@ using antiskid::host::seconds;
 
 namespace {
 
-constexpr Time kSlice = std::chrono::milliseconds{50};  // longest sleep before looking for a stop
+constexpr Time kSlice = std::chrono::milliseconds{50};  // longest sleep before the next check for a stop
 
 class Player {
   public:
     Player(const PlayOptions& options, FrameSender& sender, antiskid::host::Clock& clock, const std::atomic<bool>& stop, PlayReport& report)
         : options_(options), sender_(sender), clock_(clock), stop_(stop), report_(report) {}
 
-    /// False when stopped.
+    /// False: stopped.
     bool loop(LogReader& log) {
         anchored_ = false;
         for (LogFrame frame; log.next(frame);) {
@@ -112,7 +112,7 @@ void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, 
             report.stopped = true;
             return;
         }
-        if (report.sent + report.unsent == before) return;  // nothing to play: no endless loop over it
+        if (report.sent + report.unsent == before) return;  // nothing to play: do not loop for ever
     }
 }
 

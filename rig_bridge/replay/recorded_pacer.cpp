@@ -16,7 +16,7 @@ using antiskid::host::Wake;
 
 namespace {
 
-constexpr std::size_t kMaxSamples = 64;  // unanswered; a controller that hangs longer is not followed
+constexpr std::size_t kMaxSamples = 64;  // unanswered; if a controller hangs longer, its steps are not reproduced
 constexpr std::size_t kMaxLoose = antiskid::host::FrameIntake::kMax;
 constexpr std::size_t kLookAhead = 16384;  // lines
 constexpr std::size_t kJoining = 256;      // steps: more than two periods of the slowest message
@@ -34,7 +34,7 @@ bool contains(const Roles& roles, Role role) {
 
 constexpr std::uint64_t kMax = 100'000;
 
-/// How often a message was due before each step.
+/// Number of times a message was due before each step.
 class Timetable {
   public:
     Timetable(const antiskid::can::Layout& layout, const antiskid::can::Schedule& schedule, Role role, std::uint64_t steps)
@@ -136,7 +136,7 @@ std::vector<SentAtStep> RecordedPacer::sent_ahead(const Frame& first_valve, bool
     };
     SentAtStep nothing;
     nothing.counter.fill(SentAtStep::kNotSent);
-    // With the valve command last, what came before the first one may be missing.
+    // If the valve command is last, frames before the first command may be missing.
     std::vector<SentAtStep> steps{valve_last ? SentAtStep() : nothing};
     steps.back()[Role::valve] = counter(Role::valve, first_valve);
     SentAtStep next = nothing;
@@ -147,13 +147,13 @@ std::vector<SentAtStep> RecordedPacer::sent_ahead(const Frame& first_valve, bool
         step[*role] = counter(*role, f.frame);
         if (*role == Role::valve) steps.push_back(std::exchange(next, nothing));
     }
-    if (!valve_last) steps.pop_back();  // what came after the last one has not been read
+    if (!valve_last) steps.pop_back();  // frames after the last command have not been read
     return steps;
 }
 
 void RecordedPacer::join_session(const Frame& first_valve) {
     look_ahead();
-    // The valve command goes last in lockstep, first by the timer.
+    // The valve command is last in lockstep, first with the timer.
     before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, lockstep_));
     if (!before_log_) before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, !lockstep_));
     if (before_log_.value_or(1) != 0) comparison_.expect_self_test();

@@ -1,4 +1,4 @@
-/// rig-replay: what was recorded on the bus, played, replayed, rebuilt, imported, exported. See --help.
+/// rig-replay: plays, replays, rebuilds, imports and exports recordings of the bus. See --help.
 
 #include <fmt/core.h>
 

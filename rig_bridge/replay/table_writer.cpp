@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -30,7 +29,7 @@ class CsvWriter final : public TableWriter {
 
     void row(const std::vector<double>& values) override {
         line_.clear();
-        // Microseconds of a log; the others were 32 bits wide.
+        // Times in microseconds, as in a log; the other values had 32 bits.
         fmt::format_to(std::back_inserter(line_), "{:.6f}", values.front());
         for (std::size_t i = 1; i < values.size(); ++i) fmt::format_to(std::back_inserter(line_), ",{:.7g}", values[i]);
         line_.push_back('\n');

@@ -20,7 +20,7 @@ class Bands {
   public:
     explicit Bands(std::vector<Band> declared) : all_(std::move(declared)) {}
 
-    /// Where the scenario does not declare it and it scatters.
+    /// Used if the scenario does not declare the figure and it scatters.
     void derive(double record::Figures::*value, double expected, double deviation) {
         const record::FigureField& figure = field_of(value);
         const bool declared = std::any_of(all_.begin(), all_.end(), [&](const Band& band) { return band.figure == &figure; });

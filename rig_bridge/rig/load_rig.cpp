@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -65,7 +64,7 @@ std::vector<std::string> names(const std::vector<Named>& all) {
     return list;
 }
 
-/// A key whose word must be one of `known`.
+/// Checks that the key's word is one of `known`.
 void check_name(const Table& t, std::string_view key, const std::vector<std::string>& known) {
     const std::string word = t.text(key);
     if (std::find(known.begin(), known.end(), word) == known.end())
@@ -111,7 +110,7 @@ BrakeGeometry brake(const Table& t) {
             .effective_radius_m = t.number("effective_radius_m", {.min = 0.01, .max = 2.0})};
 }
 
-/// One class's curve, relative to its mean.
+/// Curve of one class relative to its mean.
 FrictionCurve relative_curve(const Table& t, std::string_view name) {
     FrictionCurve curve{};
     const auto c = t.numbers(name, {.range = {.min = -10.0, .max = 10.0}, .count = {.min = curve.size(), .max = curve.size()}});
@@ -125,14 +124,14 @@ FrictionCurve scaled(FrictionCurve curve, double friction) {
     return curve;
 }
 
-/// All classes are read, so that a mistake in any of them shows; the chosen one comes back, times the new brake's friction.
+/// Reads all classes, so that a mistake in any of them is reported; returns the chosen one times the new brake's friction.
 FrictionCurve friction_curve(const Table& t, std::size_t chosen, double friction) {
     std::array<FrictionCurve, kFrictionClasses.size()> curves{};
     for (std::size_t i = 0; i < curves.size(); ++i) curves[i] = relative_curve(t, kFrictionClasses[i]);
     return scaled(curves[chosen], friction);
 }
 
-/// The chosen class of a file that need not have all of them; `otherwise` where it is not in it.
+/// The chosen class of a file that may lack classes; `otherwise` if it lacks this one.
 FrictionCurve learnt_curve(const std::filesystem::path& path, std::size_t chosen, double friction, const FrictionCurve& otherwise) {
     const Document doc = Document::load(path);
     const Table t = doc.root().table("brake").table("relative_friction");
@@ -177,7 +176,7 @@ TransducerParameters transducer(const Table& t) {
             .resolution_Pa = t.number("resolution_Pa", {.min = 0.0, .max = 1e7})};
 }
 
-/// The tables that both rigs have: brake, valve, sensors, wheel.
+/// Reads the tables common to both rigs: brake, valve, sensors, wheel.
 RigParameters common_parts(const Table& root, std::size_t friction_class, const Surface& runway) {
     const Table brake_table = root.table("brake");
     const double friction = brake_table.number("friction", {.min = 0.01, .max = 1.0});
@@ -201,7 +200,7 @@ RigParameters common_parts(const Table& root, std::size_t friction_class, const 
             .brake_on_mps = 0.0};
 }
 
-/// The model's file stands relative to the rig's.
+/// The path of the model's file is relative to the rig's file.
 wear::BrakeWear wear_of(const Table& root, const std::filesystem::path& rig_file) {
     return wear::load_brake_wear(root.table("brake").table("wear"), rig_file.parent_path());
 }
@@ -210,7 +209,7 @@ double loading_lag_s(const Table& root) {
     return root.table("loading_device").number("lag_ms", {.min = 0.0, .max = 10000.0}) * 1e-3;
 }
 
-/// r(F_z) must leave a wheel to roll on.
+/// Checks that r(F_z) stays positive.
 void check_radius(const Table& root, const WheelParameters& wheel, double load_N) {
     if (load_N < 0.5 * wheel.free_radius_m * wheel.stiffness_Npm) return;
     root.table("wheel").fail("stiffness_Npm",
@@ -247,7 +246,7 @@ Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, con
     return landing;
 }
 
-/// The flywheel gives the wheel its spin: r (m v_t - m v_b) = J v_b / r.
+/// The flywheel spins up the wheel: r (m v_t - m v_b) = J v_b / r.
 double before_spin_up_mps(const RigParameters& rig) {
     const WheelParameters& w = rig.wheel;
     const double r = w.free_radius_m - rig.load.base_N / w.stiffness_Npm;
@@ -273,7 +272,7 @@ FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runwa
     out.rig.wheel.mass_kg = inertia / (out.rig.flywheel_radius_m * out.rig.flywheel_radius_m);
     out.rig.load = {.base_N = test.number("load_N", {.min = 100.0, .max = 1e6}), .lift_Ns2pm2 = 0.0, .lag_s = out.lag_s};
     out.rig.brake_on_mps = test.number("speed_mps", kSpeed_mps);
-    // Scatter and acceptance figures of the campaign: read, so that a mistake shows, and used by whoever runs it.
+    // Scatter and acceptance figures of the campaign: read only to report mistakes; the program that runs it uses them.
     (void)test.integer("maneuvers", {.min = 1, .max = 1000000});
     for (const char* key : {"speed_deviation_mps", "load_deviation_N", "torque_Nm", "torque_deviation_Nm", "duration_s", "duration_deviation_s",
                             "length_m", "length_deviation_m"}) {

@@ -36,7 +36,7 @@ Surface wet(const Table& t, const std::vector<Surface>& surfaces) {
     surface.c3 *= own_slip / peak_slip;
     if (surface.c3 >= surface.c1)
         t.fail("peak_slip", "leaves a locked wheel no friction on the curve of '" + surface.name + "'; expected a later peak");
-    // EASA AMC 25.1591: what to reckon with in standing water above the aquaplaning speed.
+    // EASA AMC 25.1591: friction to be assumed in standing water above the aquaplaning speed.
     constexpr double kAfloat = 0.05;
     surface.wet.emplace(psi, texture, flooded ? std::optional(flooded_mu.value_or(kAfloat)) : std::nullopt);
     surface.name = fmt::format("{} {} at {:g} psi", flooded ? "flooded" : "wet", texture == Texture::smooth ? "smooth" : "grooved", psi);

@@ -24,18 +24,18 @@ constexpr std::array<settings::Choice<BrakeLaw>, 6> kLaws{{{"slip", BrakeLaw::sl
                                                            {"pressure_bias", BrakeLaw::pressure_bias},
                                                            {"peak_slip", BrakeLaw::peak_slip}}};
 
-/// Numbers that every scenario has from sequencer.toml and may replace by its own.
+/// Numbers that sequencer.toml has for all scenarios and a scenario may replace.
 class Layered {
   public:
     Layered(Table base, std::optional<Table> own) : base_(std::move(base)), own_(std::move(own)) {}
 
-    /// Both are read, so that a mistake in either shows.
+    /// Reads both, so that a mistake in either is reported.
     [[nodiscard]] double number(std::string_view key, const Range& range) const {
         const double base = base_.number(key, range);
         const std::optional<double> own = own_ ? own_->find_number(key, range) : std::nullopt;
         return own.value_or(base);
     }
-    /// For a check of the caller's: the table in which the key stands.
+    /// The table that has the key, for further checks by the caller.
     [[nodiscard]] const Table& where(std::string_view key) const { return own_ && own_->has(key) ? *own_ : base_; }
 
   private:
@@ -84,12 +84,12 @@ void read_limits(const Layered& t, Plan& plan) {
 
 constexpr Range kDeceleration_mps2{.min = 0.0, .max = 15.0};
 
-/// A sine whose frequency rises steadily, in points as close as the sequencer's steps.
+/// Adds a sine with continuously rising frequency, at intervals of the sequencer's step.
 void add_sweep(const Table& t, std::vector<rig::CurrentPoint>& points) {
     constexpr double kStep_s = 0.01;
     const double begin_s = t.number("begin_s", {.min = 0.0, .max = 3600.0});
     const double duration_s = t.number("duration_s", {.min = 1.0, .max = 600.0});
-    // Above half the rate of the command's frames (20 ms) the samples would show another frequency.
+    // Above half the rate of the command's frames (20 ms) the samples would be aliased.
     constexpr Range kFrequency_Hz{.min = 0.01, .max = 25.0};
     const double from_Hz = t.number("from_Hz", kFrequency_Hz);
     const double to_Hz = t.number("to_Hz", kFrequency_Hz);

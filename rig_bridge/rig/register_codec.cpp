@@ -35,7 +35,7 @@ double from_bits(RegisterType type, std::uint32_t bits) {
     return std::bit_cast<float>(bits);
 }
 
-/// About a step of the register: rounding must not make the ends of a range implausible.
+/// About one step of the register: rounding must not make the ends of a range implausible.
 double tolerance(const Field& field) {
     if (field.type != RegisterType::float32) return 0.5 * std::abs(field.scale);
     constexpr double kStep = 0x1p-23;

@@ -93,7 +93,7 @@ Field read_field(const Table& table, std::string_view unit) {
     return field;
 }
 
-/// What already stands where, in one register space.
+/// Addresses in use in one register space.
 class Occupied {
   public:
     void add(const Table& table, const Field& field) {
@@ -115,7 +115,7 @@ class Occupied {
     std::vector<Span> taken_;
 };
 
-/// A counter must count to its end, a switch be on and off, and everything commanded be 0 at first.
+/// A counter needs its full range, a switch 0 and 1, and every command must be able to start with 0.
 void require_range(const Table& table, const Field& field, double max) {
     if (field.min > 0.0 || field.max < max) table.fail("range", max == 0.0 ? "must contain 0" : "must contain 0 to " + shown(max));
 }

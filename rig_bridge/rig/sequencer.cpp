@@ -20,7 +20,7 @@ bool sensors_heard(const Inputs& in) {
            std::isfinite(in.pressure_Pa);
 }
 
-/// Whether somebody counts on the controller's permission.
+/// Whether the phase needs the controller's permission.
 bool armed_phase(Phase phase) {
     return phase == Phase::touchdown || phase == Phase::settling || phase == Phase::braking;
 }
@@ -76,11 +76,11 @@ bool Sequencer::ready(const Inputs& in) const {
            in.flywheel_mps <= set_point_mps(in) + plan_.speed_tolerance_mps;
 }
 
-/// Only of speeds that are heard: an encoder that is silent looks like a rim that slows down. An old reading of the PLC may be off by what a
-/// tyre can have done since.
+/// Compares only speeds with new readings: an encoder without frames looks like a rim that slows down. An old reading of the PLC may differ by as
+/// much as a tyre can have changed the speed since.
 void Sequencer::compare_speeds(const Inputs& in, double passed_s) {
-    constexpr double kSilent_s = 0.03;      // as LiveSpeed, before it takes silence for slowness
-    constexpr double kHardest_mps2 = 12.0;  // all of dry asphalt's friction, 1.17 g
+    constexpr double kSilent_s = 0.03;      // as LiveSpeed, which then takes silence for a low speed
+    constexpr double kHardest_mps2 = 12.0;  // the friction of dry asphalt, 1.17 g
     if (!plc_heard(in) || !sensors_heard(in) || in.rim_age_s > kSilent_s) return;
     const double band_mps = plan_.speed_band_mps + kHardest_mps2 * in.flywheel_age_s;
     disagreed_s_ = std::abs(in.flywheel_mps - in.rim_mps) <= band_mps ? 0.0 : disagreed_s_ + passed_s;
@@ -93,7 +93,7 @@ double Sequencer::set_point_mps(const Inputs& in) const {
 
 bool Sequencer::at_speed(const Inputs& in) {
     const double set_mps = set_point_mps(in);
-    // Each change is a command of its own to the PLC.
+    // Each change is a separate command to the PLC.
     if (std::abs(set_mps - set_mps_) > 0.5 * plan_.speed_tolerance_mps) set_mps_ = set_mps;
     const bool there = std::abs(in.flywheel_mps - set_mps) <= plan_.speed_tolerance_mps;
     if (there && (arming_ || in.controller_standby)) arming_ = true;
@@ -189,7 +189,7 @@ Outputs Sequencer::step(const Inputs& in, double now_s) {
     }
     const double passed_s = std::max(now_s - now_s_, 0.0);
     now_s_ = std::max(now_s, now_s_);
-    // The first status frame of a second controller, or the first that is refused, comes before it is told from the other one.
+    // The first status frame of a second controller, or the first rejected one, comes before its sender can be distinguished.
     if (in.two_senders && (abort_ == Abort::controller_silent || abort_ == Abort::controller_fault)) abort_ = Abort::two_senders;
     if (over()) return outputs(in);
     compare_speeds(in, passed_s);
@@ -233,7 +233,7 @@ Outputs Sequencer::outputs(const Inputs& in) const {
     out.law = plan_.law;
     out.slip_reference = plan_.slip_reference;
     out.deceleration_mps2 = plan_.deceleration_mps2;
-    // What happens on the way to the safe end may be worse than what began it.
+    // A cause that appears during the abort may be worse than the first one.
     out.emergency_stop = phase_ == Phase::aborting && (stops_controller(abort_) || stops_controller(cause(in)));
     if (phase_ == Phase::spin_up) {
         out.drive_enable = true;

@@ -2,7 +2,7 @@
 /// clock, no bus, no Modbus, no allocation in step().
 ///
 ///     Sequencer sequencer(plan);
-///     while (!sequencer.over()) act(sequencer.step(look(), now_s()));
+///     while (!sequencer.over()) act(sequencer.step(inputs(), now_s()));
 ///
 ///     idle -> spin_up -> touchdown -> settling -> braking -> standstill -> retract -> cool_down -> finished
 ///       any of them -> aborting -> aborted
@@ -29,7 +29,6 @@
 /// for which stops_controller() is true also send the emergency stop during aborting. NaN counts as missing: its source is treated as silent.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>

@@ -5,7 +5,7 @@
 namespace rig {
 
 Peak peak(const FrictionLaw& law) {
-    const double slope_ratio = law.c1 * law.c2 / law.c3;  // infinite for c3 = 0, then the clamp holds
+    const double slope_ratio = law.c1 * law.c2 / law.c3;  // infinite for c3 = 0, and limited by the clamp
     const double slip = std::clamp(std::log(slope_ratio) / law.c2, 0.0, 1.0);
     return {slip, friction(law, slip).mu};
 }

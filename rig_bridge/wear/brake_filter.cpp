@@ -10,7 +10,7 @@ namespace wear {
 namespace {
 
 constexpr int kScales = 15;
-constexpr double kReach = 2.5;  // standard deviations of log s that the grid covers
+constexpr double kReach = 2.5;  // range of the grid in standard deviations of log s
 constexpr double kMax = 8.0;
 
 double square(double x) {
@@ -95,7 +95,7 @@ double BrakeFilter::log_density(const Point& point) const {
 }
 
 void BrakeFilter::learn(const Point& point) {
-    constexpr double kMinWeight = 1e-12;  // a hypothesis that was all but excluded can come back
+    constexpr double kMinWeight = 1e-12;  // so that a hypothesis that was nearly excluded can return
     const Ahead a = ahead(point.c_e_J);
     const double gain_offset = (a.offset + a.both) / a.innovation;
     const double gain_remembered = (a.remembered + a.both) / a.innovation;

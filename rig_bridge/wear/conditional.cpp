@@ -14,7 +14,7 @@ Conditional::Term term_of(const Component& c, double weight, double a_J, Varianc
     return {weight, c.mean_friction + c.covariance_J / c.variance_c_e_J2 * (a_J - c.mean_c_e_J), share * c.variance_friction};
 }
 
-/// log(w_j N(a; c_j, sigma_cj^2)) but for a constant.
+/// log(w_j N(a; c_j, sigma_cj^2)) without its constant.
 double log_weight(const Component& c, double a_J) {
     const double z = (a_J - c.mean_c_e_J) / std::sqrt(c.variance_c_e_J2);
     return std::log(c.weight) - 0.5 * (std::log(c.variance_c_e_J2) + z * z);

@@ -12,7 +12,7 @@ namespace wear {
 
 namespace {
 
-/// Raises eigenvalues below `floor` to it; the eigenvectors stay.
+/// Raises eigenvalues below `floor` to it; keeps the eigenvectors.
 void bound_below(double& xx, double& xy, double& yy, double floor) {
     const double middle = 0.5 * (xx + yy);
     const double half = 0.5 * (xx - yy);
@@ -39,7 +39,7 @@ void whiten(const StandardMixture& m, std::array<Whitened, kMaxSearched>& out) {
     }
 }
 
-// A component that nothing belongs to stays where it is: any parameters maximise its part, which is nothing.
+// A component with less weight than this is not changed: any parameters maximise its likelihood, which is zero.
 constexpr double kNothing = 1e-12;
 
 void maximise(const Pass& sums, double points, double floor, StandardMixture& m) {
@@ -61,7 +61,7 @@ void maximise(const Pass& sums, double points, double floor, StandardMixture& m)
     for (std::size_t j = 0; j < m.components; ++j) m.weight[j] /= all;
 }
 
-/// Where three mixtures, each an EM step from the one before, are going; none where steps do not shrink.
+/// Limit of three successive EM steps by extrapolation; none if the steps do not shrink.
 std::optional<StandardMixture> extrapolated(const StandardMixture& first, const StandardMixture& second, const StandardMixture& third, double floor) {
     StandardMixture out = third;
     const auto each_parameter = [&](const auto& use) {

@@ -99,7 +99,7 @@ StandardMixture split(const StandardMixture& mixture, std::size_t which, bool al
     const double variance = along ? middle + radius : std::max(0.0, middle - radius);
     const double x = along ? std::cos(angle) : -std::sin(angle);
     const double y = along ? std::sin(angle) : std::cos(angle);
-    // Halves at +-d and variance less d^2 along the axis have the mean and covariance of the whole.
+    // Halves at +-d along the axis with the variance reduced by d^2 have the mean and covariance of the whole.
     const double d = 0.5 * std::sqrt(variance);
     m.weight[which] *= 0.5;
     m.xx[which] -= d * d * x * x;

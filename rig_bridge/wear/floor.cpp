@@ -11,7 +11,7 @@ namespace wear {
 
 namespace {
 
-/// Where the line from (x0, y0), at or above the floor, to (x1, y1), below it, meets the floor.
+/// x at which the line from (x0, y0), not below the floor, to (x1, y1), below it, reaches the floor.
 double crossing(double x0, double y0, double x1, double y1, double floor) {
     return x0 + (x1 - x0) * (y0 - floor) / (y0 - y1);
 }

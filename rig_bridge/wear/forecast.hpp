@@ -53,11 +53,11 @@ struct Forecast {
     std::array<std::optional<int>, 3> landings_left{};
     /// c_e at the crossing; none: beyond the horizon.
     std::array<std::optional<double>, 3> crossing_J{};
-    std::vector<double> landings;    ///< of every draw, ascending; infinite: beyond the horizon
-    std::vector<double> energies_J;  ///< c_e at the crossing, of every draw, ascending
-    double alike = 1.0;              ///< probability that the brake is like the population; 1 if not evaluated
-    double extrapolated = 0.0;       ///< share of the draws that left the member's data before they crossed or ended
-    std::vector<FanPoint> fan;       ///< from now to a little beyond the 90 % crossing (or the horizon)
+    std::vector<double> landings;         ///< of every draw, ascending; infinite: beyond the horizon
+    std::vector<double> energies_J;       ///< c_e at the crossing, of every draw, ascending
+    double population_probability = 1.0;  ///< probability that the brake is like the population; 1 if not evaluated
+    double extrapolated = 0.0;            ///< share of the draws that left the member's data before they crossed or ended
+    std::vector<FanPoint> fan;            ///< from now to a little beyond the 90 % crossing (or the horizon)
 
     [[nodiscard]] bool already_crossed() const { return crossed_now >= 0.5; }
     [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< whether a crossing within the horizon is less likely than not

@@ -17,7 +17,8 @@ std::vector<double> sorted(const std::vector<HealthLimits>& greatest, HealthTest
     return out;
 }
 
-/// Maxima are distributed as Gumbel found, which reaches beyond what few brakes show; by median and 90 %, so that one odd brake does not decide.
+/// Fits a Gumbel distribution, as maxima have, since the few brakes do not reach far enough; by median and 90 % quantile, so that one odd brake has
+/// little effect.
 double exceeded_by(const std::vector<double>& rising, double share) {
     const auto n = static_cast<double>(rising.size());
     const double median = rising[static_cast<std::size_t>(0.5 * (n - 1.0))];
@@ -33,7 +34,7 @@ std::size_t rank(const std::vector<double>& rising, double value) {
 }  // namespace
 
 HealthLimits calibrated(const std::vector<HealthLimits>& greatest) {
-    constexpr double kMin = 1.0;  // of a stage that none of them came to
+    constexpr double kMin = 1.0;  // limit of a stage that no brake reached
     std::array<std::vector<double>, kHealthTests.size()> rising;
     for (std::size_t t = 0; t < rising.size(); ++t) rising.at(t) = sorted(greatest, kHealthTests.at(t));
     const auto flagged = static_cast<std::size_t>(kFalseAlarms * static_cast<double>(greatest.size()));
@@ -43,7 +44,7 @@ HealthLimits calibrated(const std::vector<HealthLimits>& greatest) {
             out.*kHealthTests.at(t) = std::max(kMin, exceeded_by(rising.at(t), kFalseAlarms / static_cast<double>(rising.size())));
         return out;
     }
-    // The highest of a brake's ranks in the tests says how strange it is.
+    // A brake's measure is its highest rank in any of the tests.
     std::vector<std::size_t> strange;
     strange.reserve(greatest.size());
     for (const HealthLimits& g : greatest) {
@@ -53,7 +54,7 @@ HealthLimits calibrated(const std::vector<HealthLimits>& greatest) {
         strange.push_back(highest);
     }
     std::sort(strange.begin(), strange.end());
-    const std::size_t min = strange[strange.size() - flagged];  // rank of the least strange one to be flagged
+    const std::size_t min = strange[strange.size() - flagged];  // rank of the least conspicuous brake that is to be flagged
     for (std::size_t t = 0; t < rising.size(); ++t) out.*kHealthTests.at(t) = std::max(kMin, rising.at(t)[min]);
     return out;
 }

@@ -59,7 +59,7 @@ Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSetting
     const auto count = static_cast<std::size_t>(settings.draws);
     std::vector<double> ends_J = life_->ends_J(settings.limit, count, settings.seed);
     if (const PastLives past(*population_, settings.limit); past.known()) {
-        out.alike = alike_;
+        out.population_probability = alike_;
         const std::vector<double> lives_J = past_lives_J(past, c_e_J_, count);
         // What no brake is likely to have lasted, this one does not last either: a filter that goes astray goes far.
         for (double& end_J : ends_J) end_J = std::min(end_J, lives_J.back());

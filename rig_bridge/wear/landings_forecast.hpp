@@ -33,7 +33,7 @@ class LandingsForecast {
 
     [[nodiscard]] const BrakeFilter& filter() const { return filter_; }
     /// Probability that the brake behaves like those of the population.
-    [[nodiscard]] double alike() const { return alike_; }
+    [[nodiscard]] double population_probability() const { return alike_; }
 
   private:
     static constexpr double kAlike = 0.8;  // before any maneuver [A]

@@ -27,7 +27,7 @@ double covariance(const std::vector<double>& residuals, std::size_t lag) {
     return sum / static_cast<double>(residuals.size() - lag);
 }
 
-/// An autoregression seen through white noise: gamma_k = remembered^2 memory^k for k >= 1, and fresh^2 more for k = 0.
+/// Autoregression with white noise: gamma_k = remembered^2 memory^k for k >= 1, and additionally fresh^2 for k = 0.
 Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<MeanCurve>& curves) {
     constexpr std::size_t kLags = 4;
     std::array<double, kLags> gamma{};
@@ -39,7 +39,7 @@ Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<Mea
     }
     Scatter out;
     constexpr double kMaxMemory = 0.95;
-    // Two ratios, weighed by what they are known with.
+    // Mean of two ratios, weighted by their precision.
     const double sum = gamma[1] + gamma[2];
     out.memory = sum > 0.0 ? std::clamp((gamma[2] + gamma[3]) / sum, 0.0, kMaxMemory) : 0.0;
     const double min_fresh = 0.01 * gamma[0];
@@ -49,7 +49,7 @@ Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<Mea
     return out;
 }
 
-/// The others' curves.
+/// The population without brake `k`.
 Population without(const Population& all, std::size_t k) {
     Population others;
     others.scatter = all.scatter;
@@ -60,7 +60,7 @@ Population without(const Population& all, std::size_t k) {
     return others;
 }
 
-/// log p of every maneuver given those before it, each brake given the curves of the others.
+/// log p of each maneuver given the earlier ones, for each brake with the curves of the others.
 double left_out_maneuvers(const std::vector<Campaign>& campaigns, const Population& all) {
     double sum = 0.0;
     for (std::size_t k = 0; k < campaigns.size(); ++k) {
@@ -74,8 +74,8 @@ double left_out_maneuvers(const std::vector<Campaign>& campaigns, const Populati
     return sum;
 }
 
-/// Three limits that every brake crosses, between the highest friction that any of them ends with and the lowest that any of them has in the
-/// middle of its life.
+/// Three limits that every brake crosses, between the highest final friction of any brake and the lowest friction of any brake in the middle of its
+/// life.
 std::vector<double> limits_of(const std::vector<MeanCurve>& curves) {
     double end = 0.0;
     double middle = 1.0;
@@ -92,7 +92,7 @@ std::vector<double> limits_of(const std::vector<MeanCurve>& curves) {
 double left_out_ends(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all, unsigned threads) {
     double longest_J = 0.0;
     for (const MeanCurve& c : all.members) longest_J = std::max(longest_J, c.last_J());
-    // Energy counts here, not landings: fewer and larger ones than in any use cost nothing but resolution.
+    // Only energy matters here, not landings: fewer and larger landings than in use reduce only the resolution.
     const LandingMix mix{{"step", 1.0, longest_J / 200.0, 0.0}};
     ForecastSettings settings;
     settings.horizon = 400;
@@ -137,7 +137,7 @@ void choose_spread(const std::vector<Campaign>& campaigns, const std::vector<dou
     population.spread = best;
 }
 
-/// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
+/// Limits from `healthy` campaigns of other brakes; without any, from the campaigns themselves, each with the curves of the others.
 HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all, unsigned threads) {
     const std::vector<Campaign>& watched = healthy.empty() ? campaigns : healthy;
     std::vector<HealthLimits> greatest(watched.size());

@@ -26,7 +26,7 @@ void LifeForecast::learn(double c_e_J, double mean_friction) {
 }
 
 std::optional<double> LifeForecast::life_J() const {
-    // Energy counts here, not landings: steps of one size, fine against widest_J.
+    // Only energy matters here, not landings: equal steps, small compared with widest_J.
     const double step_J = widest_J_ / 10.0;
     const double to_come_J = kFarthest * life_J_ - c_e_J_;
     if (c_e_J_ <= 0.0 || to_come_J <= step_J) return std::nullopt;

@@ -50,7 +50,7 @@ LimitForecast limit_forecast(const Regulator& r) {
         return o;
     }
     const double slack_J = plan.tolerance * (plan.brake_budget_J() + plan.tyre_budget_J());
-    // What the bounds shift from one to the other: within the tolerance of both they do not matter.
+    // Energy shifted by the bounds from one to the other; without effect if it is within the tolerance of both.
     const double shift_J = (share - o.required_share) * left_J;
     const double bearable_J = plan.tolerance * std::min(plan.brake_budget_J(), plan.tyre_budget_J());
     if (shift_J < -bearable_J) {

@@ -18,7 +18,7 @@ double crossing_J(const MeanCurve& curve, double limit, double step_J, double en
 }
 
 PastLives::PastLives(const Population& population, double limit) {
-    constexpr double kBeyond = 1.1;  // a curve of a brake that was taken off at the limit may end a little above it
+    constexpr double kBeyond = 1.1;  // the curve of a brake that was removed at the limit may end slightly above it
     std::vector<double> logs;
     std::size_t crossed = 0;
     for (const MeanCurve& curve : population.members) {
@@ -41,7 +41,7 @@ PastLives::PastLives(const Population& population, double limit) {
 
 double PastLives::life_J(double c_e_J, double share) const {
     const boost::math::students_t t(freedom_);
-    constexpr double kMinLeft = 1e-9;  // of a brake that has outlived all
+    constexpr double kMinLeft = 1e-9;  // for a brake that has outlived all others
     const double longer = c_e_J <= 0.0 ? 1.0 : std::max(kMinLeft, cdf(complement(t, (std::log(c_e_J) - log_mean_) / log_deviation_)));
     return std::max(c_e_J, std::exp(log_mean_ + log_deviation_ * quantile(complement(t, longer * (1.0 - share)))));
 }

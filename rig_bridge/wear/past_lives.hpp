@@ -2,8 +2,6 @@
 /// its own friction shows anything, or if it wears unlike the population.
 #pragma once
 
-#include <cstddef>
-
 #include "rig_bridge/wear/population.hpp"
 
 namespace wear {

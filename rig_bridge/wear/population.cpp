@@ -16,7 +16,7 @@ namespace wear {
 
 namespace {
 
-/// Of brakes that are the model itself, drawn by the rule of eq. (14) that makes them the stranger.
+/// Limits from brakes that are drawn from the model with eq. (14), by either choice of component; the larger ones count.
 HealthLimits limits_of_simulated(const Population& population) {
     constexpr std::uint64_t kBrakes = 500;
     const Model& model = population.models.front();
@@ -104,7 +104,7 @@ MeanCurve::MeanCurve(const Model& model)
     const auto mean = [&model](double c_e_J) { return friction_given_energy(model, c_e_J, kMean).mean(); };
     friction_.reserve(kSteps + 1);
     for (std::size_t i = 0; i <= kSteps; ++i) friction_.push_back(mean(first_J_ + step_J_ * static_cast<double>(i)));
-    // Straight lines there: the weights stay those at the end.
+    // Linear extrapolation: the weights stay those at the end.
     slope_before_perJ_ = (mean(first_J_) - mean(first_J_ - step_J_)) / step_J_;
     slope_after_perJ_ = (mean(last_J_ + step_J_) - mean(last_J_)) / step_J_;
 }

@@ -82,9 +82,9 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     const settings::Table reference = root.table("reference");
     config.rules.default_reference = reference.number("default", {.min = 0.01, .max = 0.5});
     config.rules.step = reference.number("step", {.min = 0.001, .max = 0.5});
-    config.rules.patience = reference.integer<int>("patience_landings", {.min = 0, .max = 1000});
+    config.rules.max_unmeasured_landings = reference.integer<int>("patience_landings", {.min = 0, .max = 1000});
     const settings::Table measurement = root.table("measurement");
-    config.rules.books_tolerance = measurement.number("books_tolerance", {.min = 0.001, .max = 0.9});
+    config.rules.energy_tolerance = measurement.number("books_tolerance", {.min = 0.001, .max = 0.9});
     config.rules.adaptation = measurement.number("adaptation", {.min = 0.001, .max = 1.0});
     const settings::Table floor = root.table("floor");
     config.rules.j_mu_floor = floor.number("j_mu", {.min = 0.0, .max = 1.0});
@@ -104,7 +104,7 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     config.prices = {.brake = price("brake"), .tyre = price("tyre"), .visit = price("visit"), .metre = price("metre")};
     config.files = {file, table};
     doc.finish();
-    try {  // also on surfaces that nobody names: one day one of them is seen
+    try {  // also for surfaces that are not listed: one of them may occur later
         for (const SurfaceTable::Row& row : config.floor.rows) static_cast<void>(config.range_on(row.surface));
     } catch (const std::invalid_argument& e) {
         floor.fail("j_mu", e.what());

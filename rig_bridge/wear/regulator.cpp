@@ -42,8 +42,8 @@ Regulator::Regulator(const WearPlan& plan, const Rules& rules, const Range& rang
     need(std::isfinite(plan.landing_deviation_J) && plan.landing_deviation_J >= 0.0, "the deviation of a landing's energy must not be negative");
     need(plan.tolerance > 0.0 && plan.tolerance < 1.0, "the tolerance must be between 0 and 1");
     need(rules.step > 0.0 && rules.step <= 0.5, "the step must be above 0 and at most 0.5");
-    need(rules.patience >= 0, "the patience must not be negative");
-    need(rules.books_tolerance > 0.0 && rules.books_tolerance < 1.0, "the books' tolerance must be between 0 and 1");
+    need(rules.max_unmeasured_landings >= 0, "the greatest number of unmeasured landings must not be negative");
+    need(rules.energy_tolerance > 0.0 && rules.energy_tolerance < 1.0, "the energy tolerance must be between 0 and 1");
     need(rules.adaptation > 0.0 && rules.adaptation <= 1.0, "the adaptation must be above 0 and at most 1");
     need(range.lowest > 0.0 && range.highest <= 0.5, "references must lie above 0 and not above 0.5");
     need(range.contains(rules.default_reference), "the default reference lies outside of the range");
@@ -72,9 +72,9 @@ Reading Regulator::judge(const Landing& l) const {
         if (value < 0.0) return Reading::negative;
     }
     if (l.reference == 0.0 || l.kinetic_J == 0.0) return Reading::missing;
-    const double max_J = l.kinetic_J * (1.0 + rules_.books_tolerance);
+    const double max_J = l.kinetic_J * (1.0 + rules_.energy_tolerance);
     if (l.tyre_J > max_J || l.brake_J > max_J) return Reading::beyond_kinetic;
-    if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.books_tolerance * l.kinetic_J) return Reading::energy_mismatch;
+    if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.energy_tolerance * l.kinetic_J) return Reading::energy_mismatch;
     if (l.brake_wear_J < wear_counter_J_) return Reading::counter_back;
     return Reading::measured;
 }
@@ -82,7 +82,7 @@ Reading Regulator::judge(const Landing& l) const {
 void Regulator::learn(const Landing& l) {
     measured_share_ = l.tyre_J / (l.tyre_J + l.brake_J);
     learnt_ += 1.0;
-    constexpr double kTrustInOne = 4.0;  // landings that the first guess, eq. (9) at constant slip, is worth
+    constexpr double kTrustInOne = 4.0;  // weight of the first guess, eq. (9) at constant slip, in landings
     const double gain = std::max(1.0 / (learnt_ + kTrustInOne), rules_.adaptation);
     const double seen = measured_share_ / (l.expected_share > 0.0 ? l.expected_share : l.reference);
     share_per_slip_ = std::clamp(share_per_slip_ + gain * (seen - share_per_slip_), kMinSharePerSlip, kMaxSharePerSlip);
@@ -90,7 +90,7 @@ void Regulator::learn(const Landing& l) {
     kinetic_landings_ += 1.0;
 }
 
-/// The table may be wrong about this runway: what was measured below the floor moves the bound on that side.
+/// The table may be wrong for this runway: a measurement below the floor moves the bound on that side.
 void Regulator::guard(const Landing& l) {
     if (!(l.j_mu > 0.0 && l.j_mu < rules_.j_mu_floor)) return;
     const double middle = rules_.default_reference;
@@ -100,7 +100,7 @@ void Regulator::guard(const Landing& l) {
         range_.lowest = std::min(middle, std::max(range_.lowest, l.reference + rules_.step));
 }
 
-/// A landing of which nothing is known wears all the same.
+/// A landing without measurement wears, too.
 void Regulator::estimate(const Landing& l) {
     const double max_J = plan_.landing_J + 10.0 * plan_.landing_deviation_J;
     const bool known = l.kinetic_J > 0.0 && l.kinetic_J <= max_J;
@@ -112,7 +112,7 @@ void Regulator::estimate(const Landing& l) {
     guessed_brake_J_ += (1.0 - share) * energy_J;
 }
 
-/// The brake's cumulative energy tells what the landings in between took: the tyre's part of them is in proportion.
+/// The brake's cumulative energy determines the energy of the landings in between; the tyre's is in proportion.
 void Regulator::settle(double brake_wear_J) {
     if (guessed_brake_J_ > 0.0) {
         const double took_J = brake_wear_J - (brake_J_ - guessed_brake_J_);
@@ -133,7 +133,7 @@ Reading Regulator::after(const Landing& landing) {
     if (last_reading_ != Reading::measured) {
         ++missed_;
         estimate(landing);
-        move(missed_ >= rules_.patience ? rules_.default_reference : reference_, reference_);
+        move(missed_ >= rules_.max_unmeasured_landings ? rules_.default_reference : reference_, reference_);
         return last_reading_;
     }
     missed_ = 0;

@@ -37,8 +37,8 @@ struct WearPlan {
 struct Rules {
     double default_reference = 0.24;  ///< before the first measurement, and when measurements are missing
     double step = 0.02;               ///< largest change of the reference from one landing to the next
-    int patience = 3;                 ///< landings without measurement after which it goes back to the default
-    double books_tolerance = 0.1;     ///< largest plausible relative difference of brake + tyre energy from kinetic energy
+    int max_unmeasured_landings = 3;  ///< landings without measurement after which it goes back to the default
+    double energy_tolerance = 0.1;    ///< largest plausible relative difference of brake + tyre energy from kinetic energy
     double j_mu_floor = 0.85;
     double adaptation = 0.05;  ///< weight of the newest landing in the share that a reference gives, once settled
 };
@@ -76,8 +76,8 @@ class Regulator {
     /// Reference for the next landing, always within range().
     [[nodiscard]] double reference() const { return reference_; }
 
-    /// Call after every landing. One that is not `measured` is counted with expected energy and share; after `patience` of them the reference moves
-    /// stepwise to the default.
+    /// Call after every landing. One that is not `measured` is counted with expected energy and share; after `max_unmeasured_landings` of them
+    /// the reference moves stepwise to the default.
     Reading after(const Landing& landing);
     /// Adds energy spent without a landing, e.g. in an aborted maneuver; NaN and negative values are ignored.
     void spent(double brake_J, double tyre_J);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <numeric>
 #include <stdexcept>
 
@@ -79,7 +78,7 @@ double SurfaceReferences::default_share() const {
 }
 
 double SurfaceReferences::reference(std::size_t surface, double mean_share) const {
-    double missing = (mean_share - shares().lowest) * all_weights();  // weighted share that edges still have to bring
+    double missing = (mean_share - shares().lowest) * all_weights();  // weighted share that edges still have to contribute
     const Surface& here = surfaces_.at(surface);
     double share = here.share.front();
     for (const Edge& edge : edges_) {

@@ -1,7 +1,6 @@
 /// J_mu, tyre share and stopping distance per slip reference and surface. Measured by `rig-lab regulate --characterise`.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>

@@ -61,7 +61,7 @@ std::optional<std::size_t> find(const std::vector<std::string_view>& header, std
     return static_cast<std::size_t>(at - header.begin());
 }
 
-/// Why there is no such column: what stands in the header instead. `stem` is the name without its unit.
+/// Reason why the column is missing, with what the header has instead. `stem`: the name without its unit.
 std::string missing(const std::vector<std::string_view>& header, std::string_view name, std::string_view stem) {
     for (const std::string_view got : header) {
         if (got == stem || (got.starts_with(stem) && got.substr(stem.size()).starts_with('_')))

@@ -1,7 +1,6 @@
 #include <sys/stat.h>
 
 #include <chrono>
-#include <cmath>
 
 #include "firmware/host/settings/json.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
@@ -86,13 +85,13 @@ TEST_CASE("The program for aborts is told what happened, line by line and withou
     const TempDir dir;
     const auto out = dir.write("told", "");
     const auto hook = script(dir, "env | grep ^RIG_ | sort > " + out.string() + "; cat >> " + out.string());
-    const auto news = rig::bridge::environment_of({.outcome = "$(touch x); retry 1 of 2",
-                                                   .cause = "guard_open",
-                                                   .next_step = "first\nRIG_FORGED=1",
-                                                   .campaign = "a b",
-                                                   .maneuver = 31,
-                                                   .folder = "/runs/a b/0031"});
-    CHECK(rig::bridge::run_hook(hook, news).empty());
+    const auto environment = rig::bridge::environment_of({.outcome = "$(touch x); retry 1 of 2",
+                                                          .cause = "guard_open",
+                                                          .next_step = "first\nRIG_FORGED=1",
+                                                          .campaign = "a b",
+                                                          .maneuver = 31,
+                                                          .folder = "/runs/a b/0031"});
+    CHECK(rig::bridge::run_hook(hook, environment).empty());
     CHECK(can_test::contents(out) ==
           "RIG_CAMPAIGN=a b\nRIG_CAUSE=guard_open\nRIG_FOLDER=/runs/a b/0031\n"
           "RIG_MANEUVER=31\nRIG_NEXT_STEP=first RIG_FORGED=1\n"

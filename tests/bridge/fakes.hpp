@@ -32,7 +32,7 @@ inline rig::modbus::Snapshot good_plc() {
 inline rig::bridge::BusNow good_bus(Time now) {
     rig::bridge::BusNow bus;
     bus.up = true;
-    bus.looked = now;
+    bus.valid_at = now;
     bus.view.wheel.received = bus.view.flywheel.received = bus.view.pressure.received = now;
     bus.view.controller.status_received = now;
     bus.view.controller.state = antiskid::control::State::standby;

@@ -15,8 +15,8 @@ using namespace std::chrono_literals;
 namespace {
 
 struct LockstepBench {
-    void sync(std::uint32_t number) { lockstep.hear(rig.sync(number)); }
-    void answer() { lockstep.hear(controller.valve_command(0.0F)); }
+    void sync(std::uint32_t number) { lockstep.accept(rig.sync(number)); }
+    void answer() { lockstep.accept(controller.valve_command(0.0F)); }
     void period(std::uint32_t number) {
         sync(number);
         answer();
@@ -39,7 +39,7 @@ TEST_CASE("The bridge's turn is each tenth SYNC, once the controller has answere
         b.answer();
         if (!b.lockstep.due()) continue;
         turns.push_back(n);
-        CHECK(b.lockstep.taken() == rig::turn_number(n, 10));
+        CHECK(b.lockstep.end_turn() == rig::turn_number(n, 10));
         CHECK(b.lockstep.now() == (static_cast<std::int64_t>(n) + 1) * Time{1ms});
     }
     CHECK(turns == std::vector<std::uint32_t>{0, 10, 20, 30, 40});
@@ -53,7 +53,7 @@ TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that sta
     b.period(0);
     CHECK(b.lockstep.syncs() == 1);
     CHECK(b.lockstep.due());
-    (void)b.lockstep.taken();
+    (void)b.lockstep.end_turn();
     b.period(3);
     CHECK(b.lockstep.now() == Time{4ms});
     b.period(0);
@@ -64,16 +64,16 @@ TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that sta
 TEST_CASE("A controller that is silent is waited for once", "[BRG-465]") {
     LockstepBench b;
     b.period(0);
-    (void)b.lockstep.taken();
+    (void)b.lockstep.end_turn();
     b.sync(10);
     CHECK_FALSE(b.lockstep.due());
-    CHECK(b.lockstep.patience() == Time{100ms});
-    b.lockstep.gave_up(100ms);
+    CHECK(b.lockstep.max_wait() == Time{100ms});
+    b.lockstep.timed_out(100ms);
     CHECK(b.lockstep.due());
-    CHECK(b.lockstep.taken() == rig::turn_number(10, 10));
+    CHECK(b.lockstep.end_turn() == rig::turn_number(10, 10));
     b.sync(20);
     CHECK(b.lockstep.due());
-    (void)b.lockstep.taken();
+    (void)b.lockstep.end_turn();
     CHECK(b.lockstep.now() == Time{1ms} + Time{20ms});  // none of it by the machine's clock
     b.answer();
     b.sync(30);
@@ -82,21 +82,21 @@ TEST_CASE("A controller that is silent is waited for once", "[BRG-465]") {
 
 TEST_CASE("Without SYNC time goes on as the machine's does, and by SYNC again when it comes", "[BRG-465]") {
     LockstepBench b;
-    CHECK(b.lockstep.patience() == Time{30s});
-    CHECK(b.lockstep.taken() == rig::kJoined);
+    CHECK(b.lockstep.max_wait() == Time{30s});
+    CHECK(b.lockstep.end_turn() == rig::kJoined);
     b.period(10);
-    (void)b.lockstep.taken();
-    b.lockstep.gave_up(100ms);
+    (void)b.lockstep.end_turn();
+    b.lockstep.timed_out(100ms);
     CHECK(b.lockstep.due());
     CHECK(b.lockstep.now() == Time{101ms});
-    (void)b.lockstep.taken();
-    CHECK(b.lockstep.patience() == Time{10ms});
-    b.lockstep.gave_up(13ms);
+    (void)b.lockstep.end_turn();
+    CHECK(b.lockstep.max_wait() == Time{10ms});
+    b.lockstep.timed_out(13ms);
     CHECK(b.lockstep.now() == Time{114ms});
-    (void)b.lockstep.taken();
+    (void)b.lockstep.end_turn();
     b.period(11);
     CHECK(b.lockstep.now() == Time{115ms});
-    CHECK(b.lockstep.patience() == Time{100ms});
+    CHECK(b.lockstep.max_wait() == Time{100ms});
 }
 
 TEST_CASE("A turn has a number that is none of the others'", "[BRG-465]") {

@@ -25,7 +25,7 @@ struct Bench {
 
     const rig::bridge::Moment& step(rig::Sequencer* sequencer, const rig::bridge::Node::Wishes& wishes = {}) {
         now += rig::bridge::Node::kStep;
-        feed.bus.looked = now;
+        feed.bus.valid_at = now;
         feed.bus.view.wheel.received = feed.bus.view.flywheel.received = feed.bus.view.pressure.received = now;
         feed.bus.view.controller.status_received = now;
         return node.step(sequencer, wishes, now);

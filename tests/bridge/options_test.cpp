@@ -1,6 +1,5 @@
 #include "rig_bridge/bridge/options.hpp"
 
-#include <stdexcept>
 #include <vector>
 
 #include "tests/catch.hpp"

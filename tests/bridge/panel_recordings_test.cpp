@@ -1,7 +1,6 @@
 // Recorded maneuvers as the panel asks for them. [STUDY-190]
 #include <filesystem>
 #include <stdexcept>
-#include <string>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/settings/error.hpp"

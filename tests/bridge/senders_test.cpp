@@ -193,11 +193,11 @@ TEST_CASE("Other identifiers, damaged frames and messages without a counter say 
 TEST_CASE("A second controller is told by its valve commands or its status, a second bridge by its commands", "[BRG-460]") {
     const antiskid::can::Layout layout = bridge_test::layout();
     for (const Role role : {Role::valve, Role::status, Role::maneuver}) {
-        rig::bridge::WhoSends who(layout);
-        CHECK((who.two_controllers().empty() && who.two_bridges().empty()));
+        rig::bridge::DuplicateSenders duplicates(layout);
+        CHECK((duplicates.two_controllers().empty() && duplicates.two_bridges().empty()));
         HandMade first(layout[role]), second(layout[role], 4, 1);
-        for (int i = 0; i < kEnough; ++i) who.accept(i % 2 == 0 ? first.next() : second.next());
-        CHECK(who.two_controllers().empty() == (role == Role::maneuver));
-        CHECK(who.two_bridges().empty() == (role != Role::maneuver));
+        for (int i = 0; i < kEnough; ++i) duplicates.accept(i % 2 == 0 ? first.next() : second.next());
+        CHECK(duplicates.two_controllers().empty() == (role == Role::maneuver));
+        CHECK(duplicates.two_bridges().empty() == (role != Role::maneuver));
     }
 }

@@ -15,8 +15,8 @@ namespace {
 
 const rig::bridge::Freshness kLimits;
 
-rig::Inputs look(const rig::modbus::Snapshot& plc, const rig::bridge::BusNow& bus, Time now = 1s) {
-    return rig::bridge::look(plc, bus, now, kLimits);
+rig::Inputs sequencer_inputs(const rig::modbus::Snapshot& plc, const rig::bridge::BusNow& bus, Time now = 1s) {
+    return rig::bridge::sequencer_inputs(plc, bus, now, kLimits);
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
     bus.wheel_rim_mps = 45.0;
     bus.slip = 0.25;
     bus.view.pressure.pressure_Pa = 5e6F;
-    const rig::Inputs in = look(plc, bus);
+    const rig::Inputs in = sequencer_inputs(plc, bus);
     CHECK(in.plc_fresh);
     CHECK(in.plc_ready);
     CHECK((in.emergency_stop_clear && in.guard_closed && in.hydraulics_ready && in.drive_healthy));
@@ -56,35 +56,35 @@ TEST_CASE("Each register that is old, implausible or no number makes the PLC sil
         CAPTURE(i);
         rig::modbus::Snapshot old = good_plc();
         old.age_s[i] = kLimits.registers_s + 0.01;
-        CHECK_FALSE(look(old, good_bus(1s)).plc_fresh);
+        CHECK_FALSE(sequencer_inputs(old, good_bus(1s)).plc_fresh);
         for (const auto quality : {rig::ValueQuality::never, rig::ValueQuality::implausible, rig::ValueQuality::not_a_number}) {
             rig::modbus::Snapshot bad = good_plc();
             bad.quality[i] = quality;
-            CHECK_FALSE(look(bad, good_bus(1s)).plc_fresh);
+            CHECK_FALSE(sequencer_inputs(bad, good_bus(1s)).plc_fresh);
         }
     }
     rig::modbus::Snapshot stands = good_plc();
     stands.plc_watchdog_age_s = kLimits.watchdog_s + 0.01;
-    CHECK_FALSE(look(stands, good_bus(1s)).plc_fresh);
+    CHECK_FALSE(sequencer_inputs(stands, good_bus(1s)).plc_fresh);
     stands.plc_watchdog_age_s = NAN;
-    CHECK_FALSE(look(stands, good_bus(1s)).plc_fresh);
+    CHECK_FALSE(sequencer_inputs(stands, good_bus(1s)).plc_fresh);
     rig::modbus::Snapshot other_map = good_plc();
     other_map.link = rig::modbus::LinkState::map_rejected;
-    CHECK_FALSE(look(other_map, good_bus(1s)).plc_fresh);
+    CHECK_FALSE(sequencer_inputs(other_map, good_bus(1s)).plc_fresh);
 }
 
 TEST_CASE("Interlocks are each their own; a silent PLC has none", "[BRG-400]") {
     for (unsigned i = 0; i < rig::kInterlockCount; ++i) {
         rig::modbus::Snapshot plc = good_plc();
         rig::at(plc.values, Measured::interlocks) = 15.0 - static_cast<double>(1U << i);
-        const rig::Inputs in = look(plc, good_bus(1s));
+        const rig::Inputs in = sequencer_inputs(plc, good_bus(1s));
         CHECK(in.emergency_stop_clear == (i != static_cast<unsigned>(Interlock::emergency_stop_clear)));
         CHECK(in.guard_closed == (i != static_cast<unsigned>(Interlock::guard_closed)));
         CHECK(in.hydraulics_ready == (i != static_cast<unsigned>(Interlock::hydraulics_ready)));
         CHECK(in.drive_healthy == (i != static_cast<unsigned>(Interlock::drive_healthy)));
         CHECK_FALSE(rig::bridge::interlocks_good(plc, kLimits));
         plc.age_s.fill(10.0);
-        CHECK_FALSE(look(plc, good_bus(1s)).emergency_stop_clear);
+        CHECK_FALSE(sequencer_inputs(plc, good_bus(1s)).emergency_stop_clear);
     }
     CHECK(rig::bridge::interlocks_good(good_plc(), kLimits));
 }
@@ -92,48 +92,48 @@ TEST_CASE("Interlocks are each their own; a silent PLC has none", "[BRG-400]") {
 TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[BRG-400]") {
     rig::modbus::Snapshot plc = good_plc();
     plc.command = rig::modbus::CommandState::rejected;
-    CHECK(look(plc, good_bus(1s)).commit_rejected);
+    CHECK(sequencer_inputs(plc, good_bus(1s)).commit_rejected);
     plc.command = rig::modbus::CommandState::unsendable;
-    CHECK(look(plc, good_bus(1s)).commit_rejected);
+    CHECK(sequencer_inputs(plc, good_bus(1s)).commit_rejected);
     plc.command = rig::modbus::CommandState::pending;
     plc.pending_s = kLimits.commit_s - 0.01;
-    CHECK_FALSE(look(plc, good_bus(1s)).commit_late);
+    CHECK_FALSE(sequencer_inputs(plc, good_bus(1s)).commit_late);
     plc.pending_s = kLimits.commit_s + 0.01;
-    CHECK(look(plc, good_bus(1s)).commit_late);
+    CHECK(sequencer_inputs(plc, good_bus(1s)).commit_late);
 }
 
 TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-400]") {
-    const auto aged = [](Time received, Time looked) {
-        rig::bridge::BusNow bus = good_bus(looked);
+    const auto aged = [](Time received, Time valid_at) {
+        rig::bridge::BusNow bus = good_bus(valid_at);
         bus.view.pressure.received = received;
         return bus;
     };
-    CHECK(look(good_plc(), aged(1s, 1s + 299ms), 1s + 299ms).sensors_fresh);
-    CHECK_FALSE(look(good_plc(), aged(1s, 1s + 301ms), 1s + 301ms).sensors_fresh);
+    CHECK(sequencer_inputs(good_plc(), aged(1s, 1s + 299ms), 1s + 299ms).sensors_fresh);
+    CHECK_FALSE(sequencer_inputs(good_plc(), aged(1s, 1s + 301ms), 1s + 301ms).sensors_fresh);
     // The recorder was held up, not the sensors.
-    CHECK(look(good_plc(), aged(1s, 1s + 10ms), 1s + 500ms).sensors_fresh);
+    CHECK(sequencer_inputs(good_plc(), aged(1s, 1s + 10ms), 1s + 500ms).sensors_fresh);
     // But not for ever.
-    const rig::Inputs late = look(good_plc(), aged(1s, 1s), 1s + 501ms);
+    const rig::Inputs late = sequencer_inputs(good_plc(), aged(1s, 1s), 1s + 501ms);
     CHECK_FALSE((late.bus_up || late.sensors_fresh || late.controller_fresh));
 
     rig::bridge::BusNow quiet = good_bus(1s + 40ms);
     quiet.view.flywheel.received = 1s;
-    CHECK(look(good_plc(), quiet, 1s + 90ms).rim_age_s == Approx(0.04));
+    CHECK(sequencer_inputs(good_plc(), quiet, 1s + 90ms).rim_age_s == Approx(0.04));
 
     rig::bridge::BusNow unheard = good_bus(1s);
     unheard.view.wheel.received = antiskid::control::kNever;
-    CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
+    CHECK_FALSE(sequencer_inputs(good_plc(), unheard).sensors_fresh);
     unheard = good_bus(1s);
     unheard.view.flywheel.received = antiskid::control::kNever;
-    CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
+    CHECK_FALSE(sequencer_inputs(good_plc(), unheard).sensors_fresh);
     rig::bridge::BusNow never = good_bus(1s);
     never.view.controller.status_received = antiskid::control::kNever;
-    CHECK_FALSE(look(good_plc(), never).controller_fresh);
-    never.looked = antiskid::control::kNever;
-    CHECK_FALSE(look(good_plc(), never).bus_up);
+    CHECK_FALSE(sequencer_inputs(good_plc(), never).controller_fresh);
+    never.valid_at = antiskid::control::kNever;
+    CHECK_FALSE(sequencer_inputs(good_plc(), never).bus_up);
     rig::bridge::BusNow down = good_bus(1s);
     down.up = false;
-    CHECK_FALSE(look(good_plc(), down).bus_up);
+    CHECK_FALSE(sequencer_inputs(good_plc(), down).bus_up);
 }
 
 TEST_CASE("Every state of the controller is standby, safe, armed or none of them", "[BRG-400]") {
@@ -141,7 +141,7 @@ TEST_CASE("Every state of the controller is standby, safe, armed or none of them
         const auto state = static_cast<State>(i);
         rig::bridge::BusNow bus = good_bus(1s);
         bus.view.controller.state = state;
-        const rig::Inputs in = look(good_plc(), bus);
+        const rig::Inputs in = sequencer_inputs(good_plc(), bus);
         CHECK(in.controller_standby == (state == State::standby));
         CHECK(in.controller_safe == (state == State::safe));
         CHECK(in.controller_armed == (state != State::standby && state != State::safe && state != State::self_test));
@@ -176,7 +176,7 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     CHECK(rig::at(rig::bridge::commands(out, true), rig::Commanded::reset) == 1.0);
     CHECK(rig::bridge::commands({}, false) == rig::CommandedValues{});
 
-    const antiskid::can::RigSample s = rig::bridge::telegram(out, good_plc().values, 17);
+    const antiskid::can::RigSample s = rig::bridge::rig_sample(out, good_plc().values, 17);
     CHECK(s.maneuver.law == antiskid::control::Law::threshold);
     CHECK((s.maneuver.arm && s.maneuver.weight_on_wheels && s.emergency_stop));
     CHECK(s.maneuver.demand_Pa == 20e6F);
@@ -188,17 +188,17 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     CHECK(s.maneuver_state.brake_temperature_C == 20.0F);
     rig::modbus::Snapshot unread = good_plc();
     rig::at(unread.values, Measured::brake_temperature_C) = NAN;
-    CHECK(rig::bridge::telegram(out, unread.values, 1).maneuver_state.brake_temperature_C == 0.0F);
+    CHECK(rig::bridge::rig_sample(out, unread.values, 1).maneuver_state.brake_temperature_C == 0.0F);
 }
 
 TEST_CASE("Two senders of what one may send are told to the sequencer and to people", "[BRG-460]") {
     rig::bridge::Moment moment;
     moment.plc.link = rig::modbus::LinkState::connected;
     moment.bus = good_bus(1s);
-    CHECK_FALSE(look(good_plc(), moment.bus).two_senders);
+    CHECK_FALSE(sequencer_inputs(good_plc(), moment.bus).two_senders);
     SECTION("controllers") {
         moment.bus.two_controllers = std::string("two senders of 0x100, at counters 3 and 9");
-        CHECK(look(good_plc(), moment.bus).two_senders);
+        CHECK(sequencer_inputs(good_plc(), moment.bus).two_senders);
         CHECK(note_of(moment) == "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9");
         moment.bus.controller_rejected = std::string("counter");
         CHECK(note_of(moment) ==
@@ -207,12 +207,12 @@ TEST_CASE("Two senders of what one may send are told to the sequencer and to peo
     }
     SECTION("bridges") {
         moment.bus.two_bridges = std::string("two senders of 0x120, at counters 3 and 9");
-        CHECK(look(good_plc(), moment.bus).two_senders);
+        CHECK(sequencer_inputs(good_plc(), moment.bus).two_senders);
         CHECK(note_of(moment) == "two bridges command on the bus: two senders of 0x120, at counters 3 and 9");
     }
     SECTION("one controller, whose frames are all refused, is heard") {
         moment.bus.controller_rejected = std::string("CRC");
-        CHECK_FALSE(look(good_plc(), moment.bus).two_senders);
+        CHECK_FALSE(sequencer_inputs(good_plc(), moment.bus).two_senders);
         CHECK(note_of(moment) == "the controller is heard but refused: CRC");
         CHECK(view_of(moment, kLimits).controller == "rejected");
     }

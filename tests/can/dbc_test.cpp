@@ -1,6 +1,7 @@
 #include "firmware/can/dbc.hpp"
 
 #include <algorithm>
+#include <random>
 
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/settings/error.hpp"

@@ -192,7 +192,7 @@ int __wrap_epoll_ctl(int /*epoll*/, int operation, int descriptor, epoll_event* 
 
 int __wrap_epoll_pwait2(int epoll, epoll_event* /*events*/, int /*most*/, const timespec* timeout, const void* /*mask*/) {
     if (!fake->open.contains(epoll)) throw std::logic_error("not open");
-    fake->calls.emplace_back("wait for the bell");
+    fake->calls.emplace_back("wait for the wake socket");
     fake->waited.push_back(FakeKernel::Time{timeout->tv_sec * can_test::kNanoseconds + timeout->tv_nsec});
     return fake->poll_answer;
 }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -22,7 +21,7 @@ using antiskid::can::Time;
 using can_test::FakeKernel;
 using namespace kernel_test;
 
-TEST_CASE("a wait that one identifier ends is one call, and the bell never stays full", "[CAN-058]") {
+TEST_CASE("a wait that one identifier ends is one call, and the wake socket never stays full", "[CAN-058]") {
     FakeKernel kernel;
     {
         SocketCan bus("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]});
@@ -31,19 +30,19 @@ TEST_CASE("a wait that one identifier ends is one call, and the bell never stays
         CHECK(filter.can_id == kWanted[1]);
         CHECK(filter.can_mask == (CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK));
         CHECK(bus.wait(Time{1'500'000}));
-        CHECK(kernel.calls == std::vector<std::string>{"wait for the bell"});
+        CHECK(kernel.calls == std::vector<std::string>{"wait for the wake socket"});
         CHECK(kernel.waited.back() == Time{1'500'000});
-        for (std::size_t ring = 1; ring < 10 * SocketCan::kBatch; ++ring) CHECK(bus.wait(Time{1}));
+        for (std::size_t event = 1; event < 10 * SocketCan::kBatch; ++event) CHECK(bus.wait(Time{1}));
         CHECK(std::count(kernel.calls.begin(), kernel.calls.end(), "receive") == 10);
         kernel.calls.clear();
         kernel.poll_answer = 0;
         CHECK_FALSE(bus.wait(Time{1}));
-        CHECK(kernel.calls == std::vector<std::string>{"wait for the bell", "receive"});
+        CHECK(kernel.calls == std::vector<std::string>{"wait for the wake socket", "receive"});
     }
     CHECK(kernel.open.empty());
 }
 
-TEST_CASE("a bell that cannot be had is an error, and no descriptor stays open", "[CAN-058][CAN-080]") {
+TEST_CASE("a wake socket that cannot be opened is an error, and no descriptor stays open", "[CAN-058][CAN-080]") {
     FakeKernel kernel;
     int& error = GENERATE(false, true) ? kernel.epoll_error : kernel.epoll_add_error;
     error = EMFILE;

@@ -1,7 +1,6 @@
 #include <array>
 #include <random>
 #include <set>
-#include <span>
 #include <string>
 #include <vector>
 

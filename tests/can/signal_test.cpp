@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <new>
+#include <random>
 #include <string>
 #include <type_traits>
 

@@ -6,7 +6,6 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "firmware/control/controller.hpp"
 #include "tests/control/fixed_config.hpp"

@@ -218,8 +218,8 @@ TEST_CASE("the shipped files load, in SI units", "[CTL-090]") {
     CHECK(c.monitor.plausible_above_mps == Approx(4.5F));
     CHECK(c.monitor.overruns == 50);
     CHECK(c.wheel.hardest_brake == 2.0F);
-    CHECK(c.wheel.encoder.patience_s == 0.01F);
-    CHECK(c.flywheel.encoder.patience_s == 0.01F);
+    CHECK(c.wheel.encoder.reject_timeout_s == 0.01F);
+    CHECK(c.flywheel.encoder.reject_timeout_s == 0.01F);
     const auto rig = load_controller_config("config/controller_endurance.toml");
     CHECK(rig.wheel.lift_Ns2pm2 == 0.0F);
     CHECK(rig.wheel.nominal_radius_m == 0.30F);

@@ -11,7 +11,7 @@ namespace control_test {
     namespace control = antiskid::control;
     control::Config c;
     c.period_s = period_s;
-    c.wheel = {.encoder = {.teeth = 60.0F, .max_speed_radps = 400.0F, .max_acceleration_radps2 = 30'000.0F, .patience_s = 0.01F},
+    c.wheel = {.encoder = {.teeth = 60.0F, .max_speed_radps = 400.0F, .max_acceleration_radps2 = 30'000.0F, .reject_timeout_s = 0.01F},
                .inertia_kgm2 = 1.3F,
                .nominal_radius_m = 0.322F,
                .radius_tolerance = 0.05F,
@@ -19,7 +19,8 @@ namespace control_test {
                .lift_Ns2pm2 = 3.61375F,
                .brake_gain_m3 = 1.04e-3F,
                .hardest_brake = 2.0F};
-    c.flywheel = {.encoder = {.teeth = 60.0F, .max_speed_radps = 250.0F, .max_acceleration_radps2 = 1'000.0F, .patience_s = 0.01F}, .radius_m = 0.6F};
+    c.flywheel = {.encoder = {.teeth = 60.0F, .max_speed_radps = 250.0F, .max_acceleration_radps2 = 1'000.0F, .reject_timeout_s = 0.01F},
+                  .radius_m = 0.6F};
     c.valve.points = 10;
     c.valve.current_mA = {3.0F, 5.0F, 8.0F, 12.0F, 16.0F, 20.0F, 25.0F, 30.0F, 35.0F, 40.0F};
     c.valve.pressure_Pa = {0.0F, 0.7e6F, 2.1e6F, 4.3e6F, 6.7e6F, 9.2e6F, 12.3e6F, 15.3e6F, 18.1e6F, 20.7e6F};

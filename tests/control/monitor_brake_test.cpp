@@ -24,7 +24,7 @@ TEST_CASE("pressure without a current is named armed, or on a loaded or rolling 
                                           {false, false, false, true, 0.6e6F, true},
                                           {true, true, true, true, 0.5e6F, false}}));
     Watch w;
-    w.before.rolling = row.rolling;
+    w.previous.rolling = row.rolling;
     w.sensors.maneuver.weight_on_wheels = row.on_wheels;
     w.sensors.maneuver.arm = row.armed;
     w.sensors.flywheel.speed_radps = row.moves ? 50.0F : 0.0F;
@@ -57,7 +57,7 @@ FaultSet faults_at(const float model_Pa, const float reading_Pa, const float whe
     for (int tries = 0; tries < 600; ++tries) {
         config.valve.pressure_Pa[1] = mapped_Pa;
         Watch w(config);
-        w.before.rolling = true;
+        w.previous.rolling = true;
         w.current_mA = 5.0F;
         w.sensors.flywheel.speed_radps = 128.0F;
         w.sensors.wheel.speed_radps = wheel_radps;
@@ -97,7 +97,7 @@ TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]"
         w.step();
     }
     REQUIRE(w.estimator.estimate().omega_dot_radps2 == -max_radps2);
-    w.before.rolling = true;
+    w.previous.rolling = true;
     w.sensors.wheel.speed_radps -= 0.05F;
     CHECK(w.step().contains(Fault::speeds_disagree) == (max_radps2 < 30.0F));
 }
@@ -118,7 +118,7 @@ TEST_CASE("a wheel that loses more than the brake can take is named, one that th
     config.monitor.off_command_Pa = 1e9F;
     config.monitor.free_slip = 1.0F;
     Watch w(config);
-    w.before.rolling = row.rolling;
+    w.previous.rolling = row.rolling;
     const float v_mps = 60.0F;
     w.sensors.flywheel.speed_radps = v_mps / config.flywheel.radius_m;
     w.sensors.pressure.pressure_Pa = row.pressure_Pa;
@@ -136,7 +136,7 @@ TEST_CASE("what the road has wound up in a carcass may swing back, a wheel that 
     Config config = fixed_config();
     config.monitor.free_slip = 1.0F;
     Watch w(config);
-    w.before.rolling = true;
+    w.previous.rolling = true;
     const float free_radps = 60.0F / config.wheel.nominal_radius_m;
     w.sensors.flywheel.speed_radps = 60.0F / config.flywheel.radius_m;
     w.sensors.wheel.speed_radps = spins_up ? 20.0F : 0.6F * free_radps;
@@ -157,7 +157,7 @@ TEST_CASE("the fall of a slow wheel is not held against the brake", "[CTL-081]")
     Config config = fixed_config();  // speeds are compared above 8 m/s: three times that
     config.monitor.free_slip = 1.0F;
     Watch w(config);
-    w.before.rolling = true;
+    w.previous.rolling = true;
     const float rim_mps = slow ? 23.0F : 27.0F;
     w.sensors.flywheel.speed_radps = rim_mps / config.flywheel.radius_m;
     w.sensors.wheel.speed_radps = rim_mps / config.wheel.nominal_radius_m;

@@ -292,7 +292,7 @@ TEST_CASE("rim speeds and slip exactly at their limits", "[CTL-081]") {
     config.monitor.free_slip = 0.25F;
     config.monitor.plausible_above_mps = row.plausible_above_mps;
     Watch w(config);
-    w.before.rolling = row.rolling;
+    w.previous.rolling = row.rolling;
     w.sensors.flywheel.speed_radps = row.flywheel_radps;
     w.sensors.wheel.speed_radps = row.wheel_radps;
     const FaultSet faults = w.step();
@@ -334,7 +334,7 @@ TEST_CASE("a landed aircraft gets faster by no more than it can lose and the sha
     w.sensors.maneuver.arm = row.armed;
     w.sensors.flywheel.speed_radps = 2.0F * row.before_mps;
     REQUIRE_FALSE(w.step().contains(Fault::flywheel_rate));
-    w.before.rolling = row.rolling;
+    w.previous.rolling = row.rolling;
     REQUIRE_FALSE(w.step().contains(Fault::flywheel_rate));
     w.sensors.flywheel.speed_radps = 2.0F * row.after_mps;
     CHECK(w.step().contains(Fault::flywheel_rate) == row.named);

@@ -27,13 +27,13 @@ TEST_CASE("a condition that must not be broken is counted anew after every break
 
 TEST_CASE("a condition that comes and goes is paid back by half, and never owes more than its limit", "[CTL-081]") {
     const int limit = GENERATE(1, 2, 8, 20);  // periods
-    Test test(static_cast<float>(limit) * kExact_s, kExact_s);
-    const auto holds = [&test](const bool bad) {
+    FaultCounter counter(static_cast<float>(limit) * kExact_s, kExact_s);
+    const auto holds = [&counter](const bool bad) {
         FaultSet wrong;
         if (bad) wrong.insert(Fault::bus_off);
-        test.take(wrong);
-        REQUIRE((test.found().empty() || test.found() == wrong));
-        return !test.found().empty();
+        counter.take(wrong);
+        REQUIRE((counter.found().empty() || counter.found() == wrong));
+        return !counter.found().empty();
     };
     std::mt19937 random(4);
     double owed = 0.0;
@@ -52,19 +52,19 @@ TEST_CASE("a condition that comes and goes is paid back by half, and never owes 
 }
 
 TEST_CASE("nothing is owed before the first bad period, and half a period counts as one", "[CTL-081]") {
-    Test test(4.0F * kExact_s, kExact_s);
+    FaultCounter counter(4.0F * kExact_s, kExact_s);
     FaultSet one, other;
     one.insert(Fault::bus_off);
     other.insert(Fault::overrun);
     for (const FaultSet& wrong : {one, other, one, FaultSet{}}) {
-        test.take(wrong);
-        CHECK(test.found().empty());
+        counter.take(wrong);
+        CHECK(counter.found().empty());
     }
-    test.take(one);
-    CHECK(test.found().empty());  // three and a half
-    test.take(other);
-    CHECK(test.found() == other);  // by the name of the newest
-    CHECK(test.found() == other);
+    counter.take(one);
+    CHECK(counter.found().empty());  // three and a half
+    counter.take(other);
+    CHECK(counter.found() == other);  // by the name of the newest
+    CHECK(counter.found() == other);
     CHECK(whole_periods(1.25F, 0.5F) == 3);
     CHECK(magnitude(0.5F) == 0.5F);
     CHECK(magnitude(-0.5F) == 0.5F);

@@ -68,7 +68,7 @@ TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-081
     Watch w(config);
     w.current_mA = 8.0F;  // 2.1 MPa
     w.sensors.maneuver.law = Law::wheel_slip;
-    w.before = {.rolling = true, .braking = true, .slip_reference = 0.25F};
+    w.previous = {.rolling = true, .braking = true, .slip_reference = 0.25F};
     const auto at = [&w](const float slip) {
         w.sensors.flywheel.speed_radps = 40.0F;  // too slow for its fall to be held against the brake
         w.sensors.wheel.speed_radps = 40.0F * (1.0F - slip);
@@ -96,7 +96,7 @@ TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-081
     }
     SECTION("not while no law brakes, nor under a law that asks for no slip") {
         const bool braking = GENERATE(true, false);
-        w.before.braking = braking;
+        w.previous.braking = braking;
         w.sensors.maneuver.law = braking ? Law::threshold : Law::wheel_slip;
         CHECK(periods_to_name(0.4F) == 5000);
     }
@@ -133,7 +133,7 @@ TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-081]
     Watch w(config);
     w.current_mA = row.current_mA;
     w.sensors.maneuver.law = row.law;
-    w.before.braking = row.braking;
+    w.previous.braking = row.braking;
     FaultSet faults;
     for (int k = 0; k < 3000; ++k) {
         w.sensors.pressure.pressure_Pa = larger(w.estimator.uncorrected_pressure_Pa() - row.short_Pa, 0.0F);
@@ -150,7 +150,7 @@ TEST_CASE("no offset, and no pressure, are exactly at their limits where these a
     config.estimator.valve_offset_share = learns ? 0.25F : 0.0F;
     Watch w(config);
     w.sensors.maneuver.law = Law::wheel_slip;
-    w.before.braking = true;
+    w.previous.braking = true;
     w.current_mA = learns ? 0.0F : 8.0F;
     w.sensors.pressure.pressure_Pa = learns ? 1e5F : 2.1e6F;
     for (int k = 0; k < 1000; ++k) REQUIRE_FALSE(w.step().contains(Fault::pressure_off_command));

@@ -304,7 +304,7 @@ TEST_CASE("the reference retreats while the wheel runs away, and comes back", "[
 
 TEST_CASE("a slip that stays at its reference is held, whatever the answer seems to be", "[CTL-040]") {
     SlipConfig c = exact_law();
-    c.restless_slip = 0.01F;
+    c.max_held_slip_error = 0.01F;
     SlipLaw law = settled(c, 0.2F);
     CHECK(run(law, -60.0F, 0.2F, 2000) == Approx(0.2));
     CHECK(run(law, -60.0F, 0.2095F, 2000) == Approx(0.2));  // on either side

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kPeriod_s = 1e-3F;
 constexpr float kMax = 30'000.0F;  // of acceleration
-constexpr EncoderConfig kEncoder{.max_speed_radps = 1e6F, .max_acceleration_radps2 = kMax, .patience_s = 0.01F};
+constexpr EncoderConfig kEncoder{.max_speed_radps = 1e6F, .max_acceleration_radps2 = kMax, .reject_timeout_s = 0.01F};
 
 /// A reading over one whole period that ended, on average, half a period ago.
 SpeedReading reading_of(const double speed, const float interval_s = kPeriod_s) {
@@ -203,14 +203,14 @@ TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "
 
 TEST_CASE("a reading exactly at the limit is believed", "[CTL-300]") {
     constexpr float kExact_s = 1.0F / 1024.0F;
-    SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 16.0F, .patience_s = 0.01F});
+    SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 16.0F, .reject_timeout_s = 0.01F});
     tracker.update(reading_of(32.0, kExact_s), kExact_s);
     tracker.update(reading_of(32.0 + 2.0 * 16.0 / 1024.0, kExact_s), kExact_s);
     CHECK(tracker.speed() > 32.0F);
 }
 
 TEST_CASE("a reading that cannot be does not reach the tracker", "[CTL-010]") {
-    SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 1e9F, .patience_s = 0.01F});
+    SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 1e9F, .reject_timeout_s = 0.01F});
     tracker.update({.speed_radps = 100.0F, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);
     for (const float radps : {-1.0F, 401.0F, std::numeric_limits<float>::quiet_NaN()}) {
         for (int i = 0; i < 30; ++i) tracker.update({.speed_radps = radps, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);

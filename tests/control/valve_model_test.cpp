@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/control/fixed_config.hpp"

@@ -37,7 +37,7 @@ struct Watch {
     }
     control::FaultSet silent_step() {
         estimator.update(sensors, control::valve_pressure_Pa(config.valve, current_mA));
-        return monitor.check(sensors, estimator, before, now);
+        return monitor.check(sensors, estimator, previous, now);
     }
 
     control::Config config;
@@ -46,7 +46,7 @@ struct Watch {
     control::Sensors sensors;
     control::Time now{};
     float current_mA = 0.0F;
-    control::Monitor::Before before{};
+    control::Monitor::PreviousStep previous{};
 };
 
 }  // namespace control_test

@@ -5,7 +5,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/json.hpp"

@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <deque>
 #include <functional>
-#include <utility>
 
 #include "firmware/control/valve_model.hpp"
 #include "tests/host/loop_bench.hpp"

@@ -92,7 +92,7 @@ TEST_CASE("a campaign that was stopped goes on with the next maneuver and the br
                                                          [&](const rig::record::Summary& summary, std::int64_t) { stop = summary.number == 3; });
     REQUIRE(first.finished.size() == 3);
     const CampaignResult second = campaign(ledger, 5);
-    CHECK(second.already == 3);
+    CHECK(second.earlier == 3);
     REQUIRE(second.finished.size() == 5);
     for (std::size_t i = 0; i < 5; ++i) {
         CHECK(second.finished[i].number == static_cast<std::int64_t>(i + 1));
@@ -107,7 +107,7 @@ TEST_CASE("a campaign that was stopped goes on with the next maneuver and the br
         CHECK(second.finished[i].figures.brake_on_mps == Approx(whole[i].figures.brake_on_mps).margin(0.02));
         CHECK(second.finished[i].figures.mean_torque_Nm == Approx(whole[i].figures.mean_torque_Nm).epsilon(0.01));
     }
-    CHECK(campaign(ledger, 5).already == 5);
+    CHECK(campaign(ledger, 5).earlier == 5);
     CHECK_THROWS_AS(campaign(ledger, 5, 2), settings::Error);
 }
 
@@ -144,7 +144,7 @@ TEST_CASE(
     const auto s = setup("endurance");
     const auto file = directory / "brake.json";
     const wear::BrakeWear& wear = s.scenario.rig.wear;
-    wear::keep_brake_state(file, {9, 40, 39e6}, wear);
+    wear::write_brake_state(file, {9, 40, 39e6}, wear);
     const auto run = [&](std::int64_t maneuvers, const char* ledger) {
         return endurance::run_campaign(s, {.maneuvers = maneuvers, .seed = 1, .ledger = directory / ledger, .brake_state = file});
     };
@@ -158,12 +158,12 @@ TEST_CASE(
     const wear::BrakeState two = kept();
     CHECK(two.maneuvers == 42);
     // Killed between ledger and state: the state is one behind.
-    wear::keep_brake_state(file, one, wear);
+    wear::write_brake_state(file, one, wear);
     const auto third = run(3, "a.sqlite");
     CHECK(third.brake->state().maneuvers == 43);
     CHECK(third.finished[2].figures.mean_friction == Approx(wear::WearingBrake(wear, {}, two).next_friction()).epsilon(0.02));
     // A brake that was elsewhere meanwhile.
-    wear::keep_brake_state(file, {9, 44, 100e6}, wear);
+    wear::write_brake_state(file, {9, 44, 100e6}, wear);
     CHECK_THROWS_AS(run(4, "a.sqlite"), settings::Error);
     // A campaign that begins has the kept brake.
     CHECK(run(1, "b.sqlite").brake->state().maneuvers == 45);

@@ -1,6 +1,5 @@
 /// Every shipped scenario through sequencer, controller, PLC and plant in one process.
 #include <algorithm>
-#include <cmath>
 
 #include "rig_bridge/rig/acceptance.hpp"
 #include "tests/catch.hpp"

@@ -1,6 +1,8 @@
 /// What a stop shows of itself: a sound one nothing, one whose encoder is off what it is off by.
 #include "plant_sim/study/faults/explain.hpp"
 
+#include <vector>
+
 #include "plant_sim/study/faults/explain_report.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
 #include "tests/catch.hpp"

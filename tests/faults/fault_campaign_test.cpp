@@ -49,7 +49,7 @@ TEST_CASE("fault campaign: the same bytes whatever the number of threads, and fo
     CHECK(faults::to_json(p, one) == faults::to_json(p, three));
     const faults::Row& row = one.at(3);
     const faults::Case again = p.at(row.run.number);
-    CHECK(faults::run_one(p, again, faults::run_sound(p, again)).verdict == row.result.verdict);
+    CHECK(faults::run_one(p, again, faults::run_fault_free(p, again)).verdict == row.result.verdict);
 }
 
 TEST_CASE("fault campaign: a stop that was asked to end runs no more", "[RIG-700]") {

@@ -201,7 +201,7 @@ TEST_CASE("fault campaign: the valve's driver", "[RIG-700]") {
     driver.update(view, stats, Time{20'000'000});
     CHECK(driver.current_mA() == 12.0);
     driver.update(view, stats, Time{21'000'000});
-    CHECK_FALSE(driver.hears());
+    CHECK_FALSE(driver.has_command());
     CHECK(driver.current_mA() == 0.0);
     // Three of four are refused, the fourth is fresh.
     int reception = 0;
@@ -214,7 +214,7 @@ TEST_CASE("fault campaign: the valve's driver", "[RIG-700]") {
             ++stats.wrong_counter;
         }
         driver.update(view, stats, now);
-        if (driver.hears()) ++reception;
+        if (driver.has_command()) ++reception;
     }
     CHECK(reception > 20);
     CHECK(reception < 60);

@@ -1,5 +1,4 @@
 // What a PLC answers, and what a client asks of our server: an answer that is accepted is as long as its reader takes it to be.
-#include <array>
 #include <vector>
 
 #include "rig_bridge/modbus/confirmation.hpp"

@@ -1,5 +1,4 @@
 // Steps by the sensors' frame, on a bus whose frames come when the test says.
-#include <deque>
 #include <map>
 
 #include "tests/catch.hpp"

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "plant_sim/study/identification/identified.hpp"
 #include "rig_bridge/rig/random.hpp"

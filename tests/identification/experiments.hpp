@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "firmware/can/layout.hpp"
 #include "plant_sim/study/identification/recording.hpp"

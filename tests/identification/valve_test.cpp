@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "plant_sim/study/identification/valve_response.hpp"
 #include "tests/catch.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
 #include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/margins/limits.hpp"

@@ -1,6 +1,7 @@
 /// Nyquist's count and the margins, against loops whose margins are known in closed form.
 #include "plant_sim/study/margins/margins.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -162,7 +163,10 @@ TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-123
     CHECK(limits(-10.0, 0.006, static_cast<double>(1e-3F)).gamma == Approx(std::exp(0.07)).epsilon(1e-6));
     CHECK(limits(3.0, tau, 1e-3).phase_deg == 180.0);
     const Requirement r;
-    const double p = fastest_pole_radps(r, tau, 1e-3);
+    // The fastest pole for 30 degrees, gamma = 1 / sin(15 deg), and for 6 dB, gamma = (k + 1) / (k - 1) with 20 log10(k) = 6.
+    const double k = std::pow(10.0, r.gain_dB / 20.0);
+    const double gamma = std::min(1.0 / std::sin(r.phase_deg * kPi / 360.0), (k + 1.0) / (k - 1.0));
+    const double p = std::log(gamma) / 0.007;  // 6 ms behind a period of 1 ms
     CHECK(limits(-0.999 * p, tau, 1e-3).allow(r));
     CHECK_FALSE(limits(-1.001 * p, tau, 1e-3).allow(r));
 }

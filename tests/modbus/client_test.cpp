@@ -300,8 +300,8 @@ TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the 
         rig::modbus::ModbusClient client(
             map, at_port(server.port()), [&] { return now; }, rig::modbus::Polling::turns);
         CHECK(client.snapshot().link == LinkState::connecting);
-        client.look();
-        client.turn(rig::kJoined);
+        client.read_all();
+        client.write_turn(rig::kJoined);
         // The answer may leave before the server's own view of its registers follows.
         CHECK(eventually([&] { return server.bridge_turn() == rig::kJoined; }));
         CHECK(client.snapshot().link == LinkState::connected);
@@ -312,9 +312,9 @@ TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the 
             at(measured, Measured::plc_watchdog) += 1.0;
             at(measured, Measured::flywheel_speed_mps) = 0.5 * turn;
             (void)server.exchange(measured);
-            client.look();
+            client.read_all();
             client.command(landing(61.0));
-            client.turn(++turn);
+            client.write_turn(++turn);
             CHECK(eventually([&] { return server.bridge_turn() == turn; }));
             CHECK(client.snapshot().value(Measured::flywheel_speed_mps) == 0.5 * (turn - 1));
             CHECK(client.snapshot().counters.polls == polls + turn);

@@ -1,7 +1,6 @@
 /// Tyre and brake against closed forms.
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "tests/catch.hpp"
 #include "tests/model/reference/profiles.hpp"

@@ -1,5 +1,4 @@
 /// Low speed on every surface: the pole of the free-rolling wheel runs away from the step.
-#include <array>
 #include <cmath>
 
 #include "tests/catch.hpp"

@@ -1,6 +1,5 @@
 // What the loop hands over: no peak between two pixels is lost, what is not known is null, and nobody is waited for. [BRG-520]
 #include <chrono>
-#include <cmath>
 #include <string>
 #include <thread>
 #include <utility>

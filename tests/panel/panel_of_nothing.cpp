@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <string>
 #include <thread>
 
 #include "firmware/host/settings/json.hpp"

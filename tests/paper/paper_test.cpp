@@ -100,7 +100,7 @@ TEST_CASE("commands run after what they build on; 1 is an answer, 2 ends a secti
         CHECK(told == 6);
         CHECK(r[0].commands[0].status == 1);
         CHECK(std::filesystem::exists(r[0].directory / "went_on"));
-        CHECK_FALSE(r[0].answered_yes());
+        CHECK_FALSE(r[0].passed());
         CHECK_FALSE(r[0].failed());
         CHECK(r[1].commands[0].status == 2);
         CHECK(r[1].commands[0].errors == "said\n");
@@ -108,7 +108,7 @@ TEST_CASE("commands run after what they build on; 1 is an answer, 2 ends a secti
         CHECK_FALSE(std::filesystem::exists(r[1].directory / "went_on"));
         CHECK(r[2].failed());
         CHECK_FALSE(std::filesystem::exists(r[2].directory / "ran"));
-        CHECK(r[4].answered_yes());
+        CHECK(r[4].passed());
         CHECK(r[4].commands[0].output == "content\n");
         CHECK(r[4].commands[0].line == "cat " + (dir.path() / "out/first/made").string());
         CHECK(r[5].failed());
@@ -134,7 +134,7 @@ TEST_CASE("a section may be a text of one's own, whose drawing is kept beside th
     const std::string own = kHead + "[[section]]\nid = \"a\"\ntitle = \"A\"\nhtml = \"<p>own</p><svg>drawn</svg><p>more</p>\"\n";
     const paper::Contents contents = paper::load_contents(dir.write("r.toml", own));
     const auto results = paper::run_sections(contents, options(dir, 1));
-    CHECK(results[0].answered_yes());
+    CHECK(results[0].passed());
     CHECK_THAT(paper::to_html(contents, results, {}, {}), ContainsSubstring("<p>own</p><svg>drawn</svg><p>more</p>"));
     std::ifstream kept(results[0].directory / "a.svg");
     CHECK(std::string(std::istreambuf_iterator<char>(kept), {}) == "<svg>drawn</svg>");

@@ -33,7 +33,7 @@ TEST_CASE("eq. (7) finds the friction that the brake had, on a rig that has brak
     options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{}, wear::BrakeState{});
     Operator op(Bench::endurance, options, 1);
     for (const double taken_J : {10e6, 480e6}) {
-        op.rig.take_up({.seed = 1, .maneuvers = 0, .c_e_J = taken_J});
+        op.rig.set_brake_state({.seed = 1, .maneuvers = 0, .c_e_J = taken_J});
         const double given = op.rig.brake()->next_friction();
         CHECK((taken_J < 100e6) == (given > 0.25));
         op.wish({.drive = true, .speed_mps = 55.0});

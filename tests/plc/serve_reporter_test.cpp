@@ -1,7 +1,6 @@
 /// What is said of a running node, from another thread than the node's.
 #include "plant_sim/serve_reporter.hpp"
 
-#include <chrono>
 #include <mutex>
 #include <stdexcept>
 #include <string>

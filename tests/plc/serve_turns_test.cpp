@@ -91,7 +91,7 @@ TEST_CASE("all three begin together: the first sample and SYNC are said until th
         turn = rig::kJoined;
     };
     TurnTaker bridge(s);
-    s.node.run_lockstep(s.stop, 100 * kMillisecond, {.done = [&] { return turn == rig::kNoTurns ? turn : bridge.look(); }, .together = true});
+    s.node.run_lockstep(s.stop, 100 * kMillisecond, {.done = [&] { return turn == rig::kNoTurns ? turn : bridge.look(); }, .start_together = true});
     CHECK(sent_before_joining == 0);
     REQUIRE(first.size() == 12);
     for (std::size_t i = 4; i < 12; ++i) {

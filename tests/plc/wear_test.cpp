@@ -46,7 +46,7 @@ TEST_CASE("a brake that is taken up again meets the friction of one that never w
     CHECK(resumed.rig.mean_friction() == whole.rig.mean_friction());
     Operator taken_up = worn(Bench::endurance, {.seed = 5});
     REQUIRE(maneuver(taken_up, 20.0, 18.0));
-    taken_up.rig.take_up(kept);
+    taken_up.rig.set_brake_state(kept);
     CHECK(taken_up.rig.cumulative_energy_J() == kept.c_e_J);
     REQUIRE(maneuver(taken_up, 30.0, 18.0));
     CHECK(taken_up.rig.mean_friction() == whole.rig.mean_friction());
@@ -71,5 +71,5 @@ TEST_CASE("a rig without a wearing brake keeps the friction that it was given", 
     Operator op(Bench::endurance);
     REQUIRE(maneuver(op, 30.0, 18.0));
     CHECK(op.rig.mean_friction() == 0.30);
-    CHECK_THROWS_AS(op.rig.take_up({}), std::invalid_argument);
+    CHECK_THROWS_AS(op.rig.set_brake_state({}), std::invalid_argument);
 }

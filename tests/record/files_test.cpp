@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <csignal>
-#include <cstring>
 #include <limits>
 #include <random>
 #include <string>

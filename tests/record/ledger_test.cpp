@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <memory>
 #include <string>
 
 #include "firmware/host/settings/error.hpp"

@@ -1,7 +1,6 @@
 #include <bit>
 #include <chrono>
 #include <optional>
-#include <vector>
 
 #include "firmware/can/value_names.hpp"
 #include "rig_bridge/record/bus_meter.hpp"

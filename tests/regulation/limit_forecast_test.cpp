@@ -1,7 +1,6 @@
 #include "rig_bridge/wear/limit_forecast.hpp"
 
 #include <cmath>
-#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/regulation/toy_landing.hpp"

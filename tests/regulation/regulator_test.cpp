@@ -5,7 +5,6 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "tests/catch.hpp"
@@ -135,7 +134,7 @@ TEST_CASE("whatever is measured, the reference stays in its range and moves by o
 }
 
 TEST_CASE("measurements that cannot be are named, hold the reference, and are no news", "[STUDY-167]") {
-    Regulator r(toy::plan(250, 0.3), {.patience = 3}, kRange);
+    Regulator r(toy::plan(250, 0.3), {.max_unmeasured_landings = 3}, kRange);
     toy::Landings landings({.noise = 0.0}, 2);
     for (int i = 0; i < 20; ++i) {
         Landing l = landings.next(r.reference());
@@ -173,7 +172,7 @@ TEST_CASE("measurements that cannot be are named, hold the reference, and are no
 }
 
 TEST_CASE("without measurements it goes back to the default, step by step, and takes up again when they come", "[STUDY-167]") {
-    const Rules rules{.step = 0.01, .patience = 4};
+    const Rules rules{.step = 0.01, .max_unmeasured_landings = 4};
     Regulator r(toy::plan(250, 0.33), rules, kRange);
     toy::Landings landings({}, 6);
     for (int i = 0; i < 60; ++i) r.after(landings.next(r.reference()));

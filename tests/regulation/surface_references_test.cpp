@@ -1,8 +1,6 @@
 #include "rig_bridge/wear/surface_references.hpp"
 
-#include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "tests/catch.hpp"
 

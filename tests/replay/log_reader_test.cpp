@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <random>
-#include <sstream>
 
 #include "tests/catch.hpp"
 #include "tests/replay/logs.hpp"

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "firmware/host/settings/json.hpp"
 #include "rig_bridge/record/bus_meter.hpp"

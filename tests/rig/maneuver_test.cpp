@@ -3,7 +3,6 @@
 #include <functional>
 #include <limits>
 #include <set>
-#include <stdexcept>
 
 #include "tests/catch.hpp"
 #include "tests/rig/rig_model.hpp"

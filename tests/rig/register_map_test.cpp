@@ -1,7 +1,6 @@
 // Loading config/registers.toml, and refusing everything that is not a register map.
 #include "rig_bridge/rig/register_map.hpp"
 
-#include <set>
 #include <sstream>
 
 #include "tests/catch.hpp"

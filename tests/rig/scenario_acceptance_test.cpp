@@ -2,7 +2,6 @@
 #include "rig_bridge/rig/acceptance.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "tests/catch.hpp"

@@ -69,7 +69,7 @@ TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, a
 
 TEST_CASE("no other law is told", "[STUDY-602]") {
     const RobustPlan plan = told("patches", {"slip", "peak_slip", "threshold", "pressure_bias"});
-    for (const Peer& law : plan.laws) CHECK_FALSE(session(plan, law, 0).slip_reference);
+    for (const ComparedLaw& law : plan.laws) CHECK_FALSE(session(plan, law, 0).slip_reference);
 }
 
 TEST_CASE("distances are compared draw by draw; what did not come to rest is outside of 3 %", "[STUDY-602]") {

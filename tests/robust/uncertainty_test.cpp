@@ -1,7 +1,6 @@
 /// Draws: within their ranges, of their family alone, and decided by seed and number.
 #include "plant_sim/study/robust/uncertainty.hpp"
 
-#include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>

@@ -1,7 +1,5 @@
 #include "firmware/host/settings/input_file.hpp"
 
-#include <cstdint>
-
 #include "tests/settings/refusal.hpp"
 
 TEST_CASE("a file is loaded with its path in every message", "[CFG-021]") {

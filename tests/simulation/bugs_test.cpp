@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -8,7 +7,7 @@
 #include "tests/catch.hpp"
 #include "tests/simulation/careless.hpp"
 
-using plant_sim::simulation::Hands;
+using plant_sim::simulation::DiskCampaignSetup;
 using plant_sim::simulation::ReadLog;
 using simulation_test::Careless;
 using simulation_test::Mistake;
@@ -17,12 +16,12 @@ namespace {
 
 struct Bug {
     std::string name;
-    Hands hands;
+    DiskCampaignSetup setup;
 };
 
 Bug of_storage(const char* name, Mistake mistake) {
-    Bug bug{.name = name, .hands = {}};
-    bug.hands.storage = [mistake](auto disk) { return std::make_shared<Careless>(std::move(disk), mistake); };
+    Bug bug{.name = name, .setup = {}};
+    bug.setup.storage = [mistake](auto disk) { return std::make_shared<Careless>(std::move(disk), mistake); };
     return bug;
 }
 
@@ -33,29 +32,29 @@ std::vector<Bug> bugs() {
                          of_storage("short write taken as whole", Mistake::short_write_is_whole),
                          of_storage("refused write taken as written", Mistake::refused_write_is_written),
                          of_storage("refused sync taken as synced", Mistake::refused_sync_is_synced)};
-    all.push_back({.name = "ledger with synchronous = OFF", .hands = {}});
-    all.back().hands.durable = false;
-    all.push_back({.name = "ledger with synchronous = FULL", .hands = {}});
-    all.back().hands.lapse = plant_sim::simulation::SqliteLapse::removal_not_synced;
-    all.push_back({.name = "cumulative energy not restored", .hands = {}});
-    all.back().hands.taken_J = [](const auto&) { return 0.0; };
-    all.push_back({.name = "torn tail believed", .hands = {}});
-    all.back().hands.reading = [](ReadLog read) {
+    all.push_back({.name = "ledger with synchronous = OFF", .setup = {}});
+    all.back().setup.durable = false;
+    all.push_back({.name = "ledger with synchronous = FULL", .setup = {}});
+    all.back().setup.deviation = plant_sim::simulation::SqliteDeviation::removal_not_synced;
+    all.push_back({.name = "cumulative energy not restored", .setup = {}});
+    all.back().setup.taken_J = [](const auto&) { return 0.0; };
+    all.push_back({.name = "torn tail believed", .setup = {}});
+    all.back().setup.reading = [](ReadLog read) {
         read.damage_named = false;
         return read;
     };
-    all.push_back({.name = "said to be finished before the ledger has it", .hands = {}});
-    all.back().hands.says_early = true;
-    all.push_back({.name = "record with missing lines counted", .hands = {}});
-    all.back().hands.counts_lost = true;
+    all.push_back({.name = "said to be finished before the ledger has it", .setup = {}});
+    all.back().setup.says_early = true;
+    all.push_back({.name = "record with missing lines counted", .setup = {}});
+    all.back().setup.counts_lost = true;
     return all;
 }
 
 /// The first seed that finds it.
-std::optional<std::uint64_t> found(const Hands& hands) {
+std::optional<std::uint64_t> found(const DiskCampaignSetup& setup) {
     constexpr std::uint64_t kSeeds = 2000;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
-        if (!plant_sim::simulation::run_disk_campaign(seed, hands).violations.empty()) return seed;
+        if (!plant_sim::simulation::run_disk_campaign(seed, setup).violations.empty()) return seed;
     return std::nullopt;
 }
 
@@ -64,7 +63,7 @@ std::optional<std::uint64_t> found(const Hands& hands) {
 TEST_CASE("each mistake with the disk is found by the invariants of a campaign", "[BRG-700]") {
     for (const Bug& bug : bugs()) {
         INFO(bug.name);
-        const auto seed = found(bug.hands);
+        const auto seed = found(bug.setup);
         fmt::print("{:60} {}\n", bug.name, seed ? fmt::format("seed {}", *seed) : "not found");
         CHECK(seed.has_value());
     }

@@ -1,8 +1,6 @@
 /// A storage between program and disk with one mistake in it.
 #pragma once
 
-#include <cerrno>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>

@@ -47,12 +47,12 @@ std::vector<Bug> bugs() {
     return {
         bug("controller believes an old maneuver command", 1, [](CellSetup& s) { s.controller.monitor.maneuver_max_age_s = 10.0F; }),
         bug("PLC without a watchdog for the bridge", 1, [](CellSetup& s) { s.machinery.watchdog_s = kNever_s; }),
-        wrong("client's watchdog moves whether or not the main loop does", 34, BridgeMistake::proves_life_without_loop),
+        wrong("client's watchdog moves whether or not the main loop does", 34, BridgeMistake::watchdog_without_loop),
         bug("bridge believes stale registers", 54, [](CellSetup& s) { s.bridge.limits.registers_s = s.bridge.limits.watchdog_s = kNever_s; }),
         bug("bridge believes old frames of the controller", 4,
             [](CellSetup& s) { s.bridge.limits.controller_s = s.bridge.limits.sensors_s = kNever_s; }),
-        wrong("bridge does not lead a tripped PLC back", 1, BridgeMistake::leads_no_plc_back),
-        wrong("a bridge that starts again goes on with the next maneuver", 1, BridgeMistake::counts_by_itself),
+        wrong("bridge does not lead a tripped PLC back", 1, BridgeMistake::leaves_plc_tripped),
+        wrong("a bridge that starts again goes on with the next maneuver", 1, BridgeMistake::numbers_maneuvers_itself),
         wrong("energy of what a dead bridge left is forgotten", 1, BridgeMistake::forgets_energy_left),
         wrong("energy of what a dead bridge left is counted in the next attempt, too", 1, BridgeMistake::counts_energy_left_twice),
         wrong("entered before the recording is synced", 325, BridgeMistake::enters_before_it_is_synced),
@@ -93,14 +93,14 @@ TEST_CASE("whatever fails in a cell, no brake without permission, nothing lost o
     }
     CHECK(sum.finished > 120);
     CHECK(sum.attempts > sum.finished);
-    CHECK(sum.frames_struck > 1000);
-    CHECK(sum.requests_struck > 100);
+    CHECK(sum.faulted_frames > 1000);
+    CHECK(sum.faulted_requests > 100);
     CHECK(sum.aborts.size() > 5);
     CHECK(sum.starts > 150);
     CHECK(sum.damaged > 0);
     CHECK(sum.refusals > 0);
     for (const std::int64_t times : sum.begun) CHECK(times > 0);
-    for (const std::uint64_t times : sum.disk_struck) CHECK(times > 0);
+    for (const std::uint64_t times : sum.disk_fault_counts) CHECK(times > 0);
 }
 
 TEST_CASE("seeds of cells in which something did not hold once", "[BRG-702]") {
@@ -116,7 +116,7 @@ TEST_CASE("without a fault each maneuver of a cell finishes at its first attempt
     const CellOutcome outcome = run_cell_campaign(sound(), 1, {});
     CHECK(outcome.violations.empty());
     CHECK(outcome.attempts == outcome.finished);
-    CHECK(outcome.frames_struck + outcome.requests_struck == 0);
+    CHECK(outcome.faulted_frames + outcome.faulted_requests == 0);
 }
 
 TEST_CASE("the same seed is the same campaign of a cell", "[BRG-702]") {

@@ -17,7 +17,7 @@ TEST_CASE("power cuts, full disks and refusals lose nothing that was acknowledge
         sum += outcome;
     }
     CHECK(run_disk_campaign(106'491).violations.empty());  // a journal that a killed program left
-    for (const std::uint64_t times : sum.struck) CHECK(times > 20);
+    for (const std::uint64_t times : sum.fault_counts) CHECK(times > 20);
     CHECK(sum.damaged > 20);
 }
 

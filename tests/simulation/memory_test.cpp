@@ -120,6 +120,6 @@ TEST_CASE("a bridge that overlooks that there is no memory is found", "[BRG-703]
     CellSetup setup = sound();
     REQUIRE(campaign(setup, 0).violations.empty());
     const std::uint64_t all = allocations;
-    setup.mistake = BridgeMistake::overlooks_no_memory;
+    setup.mistake = BridgeMistake::ignores_no_memory;
     CHECK(fail_each(setup, all - all / 4, [all](std::uint64_t n) { return n + all / 40; }).violated > 0);
 }

@@ -1,6 +1,5 @@
 // What campaigns on the simulated disk once found, each by itself.
 #include <memory>
-#include <string>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/simulation/simulated_disk.hpp"
@@ -77,11 +76,11 @@ TEST_CASE("what the ledger refused is not in it, and what may be in it is named"
         Ledger ledger("/runs/campaign.sqlite", on(disk));
         (void)ledger.open_campaign(kCampaign, rig::record::IfChanged::reject);
         (void)ledger.begin(1, "2026");
-        disk->calm();
-        disk->strike(at, DiskFault::refused);
+        disk->clear_faults();
+        disk->inject(at, DiskFault::refused);
         try {
             ledger.finish(summary());
-            if (disk->struck()[static_cast<std::size_t>(DiskFault::refused)] == 0) break;
+            if (disk->fault_counts()[static_cast<std::size_t>(DiskFault::refused)] == 0) break;
         } catch (const rig::record::LedgerInDoubt&) {
             in_doubt = true;
         } catch (const rig::record::LedgerError&) {
@@ -97,15 +96,15 @@ TEST_CASE("what SQLite lets be: the name of its journal refused, and the power c
     int damaged = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         const auto disk =
-            std::make_shared<SimulatedDisk>(seed, plant_sim::simulation::DiskTrace{}, plant_sim::simulation::SqliteLapse::journal_name_unnoticed);
+            std::make_shared<SimulatedDisk>(seed, plant_sim::simulation::DiskTrace{}, plant_sim::simulation::SqliteDeviation::journal_name_unnoticed);
         const LedgerOptions options = on(disk);
         {
             Ledger ledger("/runs/campaign.sqlite", options);
             (void)ledger.open_campaign(kCampaign, rig::record::IfChanged::reject);
             (void)ledger.begin(1, "2026");
-            disk->calm();
-            disk->strike(kNameOfJournal, DiskFault::refused);
-            disk->strike(kNameOfJournal + 5, DiskFault::power_cut);
+            disk->clear_faults();
+            disk->inject(kNameOfJournal, DiskFault::refused);
+            disk->inject(kNameOfJournal + 5, DiskFault::power_cut);
             CHECK_THROWS_AS(ledger.finish(summary()), rig::record::LedgerError);
         }
         disk->restart();

@@ -64,8 +64,8 @@ TEST_CASE("a file written whole is all of the old bytes or all of the new, where
         for (std::uint64_t at = 1;; ++at) {
             const SimulatedDisk disk(seed);
             settings::write_file("/runs/summary", before, disk);
-            disk.calm();
-            disk.strike(at, DiskFault::power_cut);
+            disk.clear_faults();
+            disk.inject(at, DiskFault::power_cut);
             bool said = true;
             try {
                 settings::write_file("/runs/summary", after, disk);
@@ -83,10 +83,10 @@ TEST_CASE("a file written whole is all of the old bytes or all of the new, where
 TEST_CASE("a disk that is full, refuses or takes a part says so once, where it was asked to", "[BRG-700]") {
     const SimulatedDisk disk(3);
     const auto file = new_file(disk, "/file");
-    disk.calm();
-    disk.strike(1, DiskFault::no_space, 2);
-    disk.strike(3, DiskFault::short_write);
-    disk.strike(4, DiskFault::refused);
+    disk.clear_faults();
+    disk.inject(1, DiskFault::no_space, 2);
+    disk.inject(3, DiskFault::short_write);
+    disk.inject(4, DiskFault::refused);
     CHECK(file->append("abc") == -ENOSPC);
     CHECK(disk.create("/other").error == ENOSPC);
     const std::int64_t part = file->append("abcdefgh");
@@ -96,8 +96,8 @@ TEST_CASE("a disk that is full, refuses or takes a part says so once, where it w
     CHECK(file->sync() == 0);
     CHECK(disk.sync_directory("/") == 0);
     CHECK(content(disk, "/file").size() == static_cast<std::size_t>(part));
-    CHECK(disk.struck() == std::array<std::uint64_t, 5>{0, 0, 2, 1, 1});
-    disk.strike(1, DiskFault::power_cut);
+    CHECK(disk.fault_counts() == std::array<std::uint64_t, 5>{0, 0, 2, 1, 1});
+    disk.inject(1, DiskFault::power_cut);
     CHECK(file->append("x") == -EIO);
     CHECK_FALSE(disk.runs());
     CHECK(disk.open("/file").error == EIO);
@@ -112,8 +112,8 @@ TEST_CASE("a killed program loses nothing that it wrote, until the power is cut"
         const auto file = new_file(disk, "/file");
         CHECK(disk.sync_directory("/") == 0);
         CHECK(file->append("abc") == 3);
-        disk.calm();
-        disk.strike(1, DiskFault::kill);
+        disk.clear_faults();
+        disk.inject(1, DiskFault::kill);
         CHECK(file->sync() == EIO);
         CHECK_FALSE(disk.runs());
         disk.restart();

@@ -17,7 +17,7 @@ plant_sim::StopOptions landing() {
 double landed(const plant_sim::StopOptions& options) {
     const plant_sim::StopInputs s = plant_sim::load_scenario(options);
     const study::RunResult run = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
-    s.keep_brake(options, run.figures.energy_brake_J);
+    s.save_brake(options, run.figures.energy_brake_J);
     return s.plant.rig.mean_friction;
 }
 

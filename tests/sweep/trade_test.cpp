@@ -8,7 +8,7 @@
 #include "tests/catch.hpp"
 #include "tests/sweep/made_up_sweep.hpp"
 
-using sweep::Decides;
+using sweep::BindingLimit;
 using sweep::Lives;
 using sweep::Prices;
 using sweep::Trade;
@@ -34,7 +34,7 @@ TEST_CASE("a floor on J_mu: the dear part is spared up to where the floor is", "
     const double up = 0.22 + std::sqrt((0.966 - kFloor) / 1.5);
     CHECK(dear_brake.best->slip_reference == Approx(up).margin(1.01 * Trade::kStep));
     CHECK(dear_brake.best->slip_reference <= up + 1e-9);
-    CHECK(dear_brake.decides == Decides::min_j_mu);
+    CHECK(dear_brake.decides == BindingLimit::min_j_mu);
     CHECK(dear_brake.best->cost == Approx(kMean_MJ * (3.0 - 2.0 * dear_brake.best->slip_reference)).epsilon(1e-9));
 
     const Trade dear_tyre = trade(paper(), Prices{1.0, 3.0}, {.min_j_mu = kFloor});
@@ -52,7 +52,7 @@ TEST_CASE("a ceiling on distance is the same floor by another name", "[STUDY-148
     const Trade by_j_mu = trade(paper(), Prices{3.0, 1.0}, {.min_j_mu = 0.95});
     REQUIRE(by_distance.best.has_value());
     CHECK(by_distance.best->slip_reference == Approx(by_j_mu.best->slip_reference).margin(1.01 * Trade::kStep));
-    CHECK(by_distance.decides == Decides::max_distance);
+    CHECK(by_distance.decides == BindingLimit::max_distance);
 }
 
 TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STUDY-148]") {
@@ -60,7 +60,7 @@ TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STU
     const Trade together = trade(paper(), Lives{700.0, 300.0});
     REQUIRE(together.best.has_value());
     CHECK(together.best->slip_reference == Approx(0.3).margin(1e-9));
-    CHECK(together.decides == Decides::nothing);
+    CHECK(together.decides == BindingLimit::nothing);
     CHECK(1.0 / together.best->cost == Approx(1000.0 / kMean_MJ).epsilon(1e-9));
     // The landings differ in size, not in ratio, and are the same for every reference: no doubt about the reference.
     CHECK(together.best_interval.low == Approx(0.3).margin(1e-9));
@@ -69,7 +69,7 @@ TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STU
 
     const Trade tyre_outlasts = trade(paper(), Lives{100.0, 900.0});
     CHECK(tyre_outlasts.best->slip_reference == 0.5);
-    CHECK(tyre_outlasts.decides == Decides::end_of_references);
+    CHECK(tyre_outlasts.decides == BindingLimit::end_of_references);
 }
 
 TEST_CASE("no reference within the bounds, nothing that costs, all on one side: plain answers", "[STUDY-148]") {
@@ -86,15 +86,15 @@ TEST_CASE("no reference within the bounds, nothing that costs, all on one side: 
 
     const Trade free = trade(paper(), Prices{0.0, 0.0});
     CHECK(free.best->slip_reference == Approx(0.22));
-    CHECK(free.decides == Decides::no_cost);
+    CHECK(free.decides == BindingLimit::no_cost);
     CHECK(free.against_paper->share == 0.0);
 
     const Trade free_brake = trade(paper(), Prices{0.0, 1.0});
     CHECK(free_brake.best->slip_reference == 0.06);
-    CHECK(free_brake.decides == Decides::end_of_references);
+    CHECK(free_brake.decides == BindingLimit::end_of_references);
     const Trade free_tyre = trade(paper(), Prices{1.0, 0.0});
     CHECK(free_tyre.best->slip_reference == 0.5);
-    CHECK(free_tyre.decides == Decides::end_of_references);
+    CHECK(free_tyre.decides == BindingLimit::end_of_references);
 
     // Brake and tyre together take the same energy at every reference: with one price all cost the same, and J_mu decides.
     const Trade same = trade(paper(), Prices{2.0, 2.0});

@@ -2,8 +2,6 @@
 #include "firmware/can/socket_can.hpp"
 
 #include <array>
-#include <ctime>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -174,14 +172,14 @@ TEST_CASE("of one period's frames only that which is waited for ends the wait, a
     CHECK(a.send(numbered(0x110, 0)));
     CHECK_FALSE(b.wait(Time{5'000'000}));
     CHECK(b.receive(frames) == 1);
-    for (std::uint32_t period = 0; period < 1000; ++period) {  // more than a bell holds unread
+    for (std::uint32_t period = 0; period < 1000; ++period) {  // more than the wake socket holds unread
         const std::array<Frame, 2> sent{numbered(0x110, period), numbered(0x120, period)};
         REQUIRE(a.send_all(sent) == 2);
         REQUIRE(b.wait(kPatience));
         REQUIRE(b.receive(frames) == 2);
         REQUIRE(number_of(frames[1]) == period);
     }
-    // A program that was held up finds the bell full, and hears it again after that.
+    // A program that was held up finds the wake socket full, and is woken again after that.
     for (std::uint32_t period = 0; period < 1000; ++period) REQUIRE(a.send(numbered(0x120, period)));
     while (b.receive(frames) > 0) continue;
     while (b.wait(Time{1'000'000})) continue;

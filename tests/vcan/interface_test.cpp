@@ -1,8 +1,6 @@
 // SocketCAN and an interface that is not there, down or gone, with real AF_CAN sockets.
 #include "firmware/can/socket_can.hpp"
 
-#include <ctime>
-#include <stdexcept>
 #include <vector>
 
 #include "firmware/can/controller_port.hpp"

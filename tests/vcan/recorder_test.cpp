@@ -1,7 +1,6 @@
 /// The recorder on a real interface with candump beside it, and on a disk that is really full. Run by `./rig vcan --`, which gives
 /// vcan0 and the right to make interfaces and to mount.
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>

@@ -19,9 +19,9 @@ std::string rejection(const std::string& json, const wear::BrakeWear& wear = shi
 TEST_CASE("a kept brake comes back to the last bit, and there is none where there is no file", "[WEAR-011]") {
     const TemporaryDirectory directory;
     CHECK(wear::find_brake_state(directory / "brake.json", shipped_wear()) == std::nullopt);
-    wear::keep_brake_state(directory / "brake.json", kState, shipped_wear());
+    wear::write_brake_state(directory / "brake.json", kState, shipped_wear());
     CHECK(wear::find_brake_state(directory / "brake.json", shipped_wear()) == kState);
-    CHECK_THROWS_AS(wear::keep_brake_state(directory.path(), kState, shipped_wear()), settings::Error);
+    CHECK_THROWS_AS(wear::write_brake_state(directory.path(), kState, shipped_wear()), settings::Error);
     CHECK_THROWS_AS(wear::find_brake_state(directory.path(), shipped_wear()), settings::Error);
 }
 

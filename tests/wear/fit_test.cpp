@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 
 #include "rig_bridge/wear/fast_exp.hpp"
 #include "rig_bridge/wear/fit_starts.hpp"

@@ -33,13 +33,13 @@ const wear::Population& learnt_of_oxidation() {
 }
 
 /// Mean probability, over five brakes at half of their life, that the brake is of the population's kind.
-double alike(Law law) {
+double population_probability(Law law) {
     double sum = 0.0;
     for (std::uint64_t k = 0; k < 5; ++k) {
         const wear::arena::Life life = wear::arena::live(law, lives_of(), lives_of().tuning + k);
         wear::LandingsForecast brake(learnt_of_oxidation());
         for (std::size_t i = 0; i < life.landings() / 2; ++i) brake.learn(life.campaign.points[i]);
-        sum += brake.alike() / 5.0;
+        sum += brake.population_probability() / 5.0;
     }
     return sum;
 }
@@ -75,8 +75,8 @@ TEST_CASE("past lives are Student's t of the logarithm, of brakes that are not w
 }
 
 TEST_CASE("a brake of another kind is known by how it goes, and is given past lives", "[WEAR-072]") {
-    CHECK(alike(Law::oxidation) > 0.8);
-    CHECK(alike(Law::ostermeyer) < 0.2);
+    CHECK(population_probability(Law::oxidation) > 0.8);
+    CHECK(population_probability(Law::ostermeyer) < 0.2);
     const wear::arena::Life life = wear::arena::live(Law::ostermeyer, lives_of(), lives_of().tuning);
     wear::LandingsForecast brake(learnt_of_oxidation());
     for (std::size_t i = 0; i < life.landings() / 2; ++i) brake.learn(life.campaign.points[i]);
@@ -89,7 +89,7 @@ TEST_CASE("a brake of another kind is known by how it goes, and is given past li
     const wear::PastLives past(learnt_of_oxidation(), ask.limit);
     const double left = (past.life_J(c_e_J, 0.5) - c_e_J) / lives_of().mean_energy_J();
     CHECK(f.landings_left[1].value() == Approx(left).epsilon(0.25));
-    CHECK(f.alike == brake.alike());
+    CHECK(f.population_probability == brake.population_probability());
     CHECK(std::is_sorted(f.landings.begin(), f.landings.end()));
     CHECK(brake.forecast(lives_of().mix, ask).landings == f.landings);
 }

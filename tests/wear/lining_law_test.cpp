@@ -1,6 +1,5 @@
 #include "rig_bridge/wear/lining_law.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <string_view>
 
 #include "firmware/host/settings/atomic_file.hpp"

@@ -1,7 +1,6 @@
 /// The shipped campaign and model: made by what this says, and what the rigs' configurations take from them.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <string>

@@ -1,6 +1,5 @@
 #include "rig_bridge/wear/wearing_brake.hpp"
 
-#include <cmath>
 #include <stdexcept>
 #include <vector>
 

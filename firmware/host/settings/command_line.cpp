@@ -1,5 +1,6 @@
 #include "firmware/host/settings/command_line.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "firmware/host/settings/atomic_file.hpp"

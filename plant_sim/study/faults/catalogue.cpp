@@ -61,7 +61,7 @@ Fault draw(Pair what, rig::Random& random) {
     fault.strength = uniform(random);
     const double share = uniform(random);
     fault.share = share < 0.4 ? 1.0 : between(kRarest, 1.0, uniform(random));
-    // Nobody can hear a stop of which no frame arrives: a wire that is cut is what a rig's own emergency chain is for.
+    // An emergency stop of which no frame arrives cannot be received: for a cut wire the rig needs its own emergency chain.
     constexpr double kMaxOfStop = 0.9;
     if (what.signal == Signal::emergency_stop) fault.share = std::min(fault.share, kMaxOfStop);
     fault.negative = uniform(random) < 0.5;

@@ -1,4 +1,4 @@
-/// What can go wrong: every signal with the kinds of fault that it can have, and how hard one instance of it hits.
+/// Catalogue of faults: each signal with the kinds of fault that it can have, and the severity of one fault.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace faults {
 
-/// Where the fault sits.
+/// Where the fault occurs.
 enum class Signal : std::uint8_t {
     wheel,     ///< encoder and its frame
     flywheel,  ///< encoder and its frame
     pressure,  ///< transducer and its frame
-    maneuver,  ///< the frame; its values follow
-    demand,    ///< as the rig's sequencer sends it, and so the next four
+    maneuver,  ///< the frame; the next five are values in it
+    demand,    ///< as sent by the rig's sequencer, as the next four
     slip_reference,
     arm,
     weight_on_wheels,
@@ -24,7 +24,7 @@ enum class Signal : std::uint8_t {
     heartbeat,       ///< the rig's
     emergency_stop,  ///< pressed when the fault begins
     valve_command,   ///< the frame
-    valve_current,   ///< as the valve's driver gives it
+    valve_current,   ///< as output by the valve's driver
     valve,           ///< its hydraulics
     controller,      ///< its loop, its interface, its clock
 };
@@ -72,7 +72,7 @@ inline constexpr std::array<std::string_view, 21> kKindNames{
 [[nodiscard]] constexpr bool of_frame(Kind kind) {
     return kind <= Kind::wrong_counter;
 }
-/// The sequencer's wish itself is another one, in a sound frame: whoever obeys it does as told.
+/// Whether the fault changes the sequencer's command itself, in an undamaged frame: obeying it is right.
 [[nodiscard]] constexpr bool changes_wish(Signal signal) {
     return signal >= Signal::demand && signal <= Signal::law;
 }
@@ -82,27 +82,27 @@ struct Pair {
     Kind kind;
     bool operator==(const Pair&) const = default;
 };
-/// Every signal with every kind that it can have.
+/// Every signal with each kind that it can have.
 [[nodiscard]] std::span<const Pair> catalogue();
 
-/// One instance of a fault. What `strength` and `share` mean for a kind stands with the class that makes it.
+/// One fault. The class that implements a kind defines the meaning of `strength` and `share`.
 struct Fault {
     Pair what{};
-    double strength = 0.0;  ///< 0 to 1, even
-    double share = 1.0;     ///< of frames or periods that are hit, 0.02 to 1, even in its logarithm; many are hit all
-    bool negative = false;  ///< of a bias, a spike, a step; which variant of a kind that has two
-    double lasts_s = 0.0;   ///< 5 ms to 1 s, even in its logarithm, or kForGood
+    double strength = 0.0;  ///< 0 to 1, uniform
+    double share = 1.0;     ///< of frames or periods that are affected: 0.02 to 1, uniform in its logarithm; 1 for many faults
+    bool negative = false;  ///< sign of a bias, a spike or a step; the second variant of a kind that has two
+    double lasts_s = 0.0;   ///< 5 ms to 1 s, uniform in its logarithm, or kForGood
     static constexpr double kForGood = 1e9;
 };
 
-/// Half of all faults last for good.
+/// Draws a fault; half of all faults are permanent.
 [[nodiscard]] Fault draw(Pair what, rig::Random& random);
 
-/// Even in [0, 1).
+/// Uniform in [0, 1).
 [[nodiscard]] inline double uniform(rig::Random& random) {
     return static_cast<double>(random.bits() >> 11U) * 0x1.0p-53;
 }
-/// Between `low` and `high`, both above 0, even in its logarithm, at `strength` 0 to 1.
+/// Interpolates from `low` to `high`, both above 0, in their logarithm; `strength`: 0 to 1.
 [[nodiscard]] double between(double low, double high, double strength);
 
 }  // namespace faults

@@ -1,4 +1,4 @@
-/// What the controller's inputs show of a stop, whatever is true: figures that a sound rig keeps near those of its sound stops, on any runway.
+/// Figures of a stop computed only from the controller's inputs. Without a fault they are near those of other fault-free stops, on any runway.
 #pragma once
 
 #include <array>
@@ -13,29 +13,29 @@
 namespace faults {
 
 enum class Sign : std::uint8_t {
-    late,     ///< s, the latest wheel frame against its own edges
-    refused,  ///< frames of any input
-    wild,     ///< the most at once of the wheel's readings that no wheel can have got to, two forgotten a second, above 2.7 times drop-out
-    scatter,  ///< root mean square of what the wheel's readings are off the speed that was expected, in standard deviations of a reading
-    mass,     ///< kg, the aircraft's by the impulse of the road (brake's torque and wheel's acceleration) over the speed that it lost
-    off_map,  ///< Pa, mean distance of the transducer's reading from what the commands alone explain
-    lag,      ///< s, by which the pressure comes later than commanded, by regression on the rate commanded
-    excess,   ///< s, slip beyond 0.05 above the reference in force, added up; below it pays back
+    late,     ///< s, largest delay of a wheel frame relative to its own edges
+    refused,  ///< number of rejected frames of all inputs
+    wild,     ///< number of impossible readings of the wheel above 2.7 times drop-out, decreasing by two per second; its maximum
+    scatter,  ///< root mean square deviation of the wheel's readings from the expected speed, in standard deviations of a reading
+    mass,     ///< kg, the aircraft's: impulse of the road (by brake torque and wheel acceleration) over the loss of speed
+    off_map,  ///< Pa, mean deviation of the transducer's reading from the pressure that the commands alone explain
+    lag,      ///< s, delay of the pressure behind the command, by regression on the commanded rate
+    excess,   ///< s, integral of the slip beyond 0.05 above the reference in force; decreases below it
 };
 inline constexpr std::array<std::string_view, 8> kSignNames{"late_s", "refused", "wild", "scatter", "mass_kg", "off_map_Pa", "lag_s", "excess_s"};
 [[nodiscard]] constexpr std::string_view name(Sign sign) {
     return kSignNames[static_cast<std::size_t>(sign)];
 }
 
-/// By Sign.
+/// Indexed by Sign.
 using Signs = std::array<double, kSignNames.size()>;
 
-/// Follows a stop by what the controller is given, with an estimator of its own.
+/// Computes the figures during a stop, with an estimator of its own.
 class Witness {
   public:
     explicit Witness(const antiskid::control::Config& config) : config_(config), estimator_(config) {}
 
-    /// After each step of the controller, with what it was given and its answer. Counts where `counts`.
+    /// Call after each step of the controller with its inputs and its answer. `counts`: whether the step counts.
     void take(const antiskid::control::Sensors& sensors, const antiskid::control::Command& command, bool counts);
     [[nodiscard]] Signs signs() const;
 

@@ -15,7 +15,7 @@ struct Seen {
     double at_m = 0.0;  ///< along the runway, where the fault began
 };
 
-Seen look_at(const FaultPlan& plan, const Case& c, const Sound& sound) {
+Seen look_at(const FaultPlan& plan, const Case& c, const FaultFree& sound) {
     Seen seen;
     Witness witness(plan.controller);
     bool begun = false;
@@ -28,7 +28,7 @@ Seen look_at(const FaultPlan& plan, const Case& c, const Sound& sound) {
     return seen;
 }
 
-/// The same stop on `rig`, sound, where the runway gives `grip` of its friction from `from_m` on.
+/// The same stop on `rig` without a fault, with the runway's friction multiplied by `grip` from `from_m` on.
 FaultPlan on_runway(const FaultPlan& plan, const Case& c, rig::RigParameters rig, double grip, double from_m) {
     FaultPlan other = plan;
     rig::Surface less = rig.surface;
@@ -54,13 +54,13 @@ void widen(std::array<Span, kSignNames.size()>& spans, const Signs& signs, bool 
 }  // namespace
 
 Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& basis, const ExplainOptions& options) {
-    const Sound sound = run_sound(plan, c);
+    const FaultFree sound = run_fault_free(plan, c);
     const Seen faulty = look_at(plan, c, sound);
     Explanation e{.run = c, .result = faulty.result, .seen = faulty.signs};
     const rig::RigParameters& rig = plan.surfaces[c.surface].rig;
     const double wanted = faulty.result.verdict.distance_share;
     const Case twin = without_fault(c);
-    // The less friction the longer the stop: by bisection, in the logarithm.
+    // Less friction gives a longer stop: bisection in the logarithm.
     constexpr int kHalvings = 9;
     constexpr double kLeast = 0.05;
     const auto share_at = [&](double grip) { return run_one(on_runway(plan, c, rig, grip, faulty.at_m), twin, sound).verdict.distance_share; };
@@ -75,7 +75,7 @@ Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& b
     e.twin_share = share_at(e.grip);
     for (std::size_t i = 0; i < options.twins; ++i) {
         Case other = twin;
-        other.sensor_seed += i + 1;  // the run's own noise would not tell what chance does
+        other.sensor_seed += i + 1;  // another seed than the run's: its own noise would not show the scatter
         const Seen seen = look_at(on_runway(plan, c, rig, e.grip, faulty.at_m), other, sound);
         widen(e.twins, seen.signs, i == 0);
     }

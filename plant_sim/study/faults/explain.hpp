@@ -1,9 +1,7 @@
-/// Why a stop with a fault was longer and nothing said so: whether the controller's inputs differ from those of a sound stop.
+/// Explains why a stop with a fault was longer although no fault was named: whether the controller's inputs differ from those of a fault-free stop.
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "plant_sim/study/faults/evidence.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"
@@ -11,22 +9,23 @@
 
 namespace faults {
 
-/// What sound stops show of a sign.
+/// Range of a figure in fault-free stops.
 struct Span {
     double least = 0.0, most = 0.0;
-    /// Further outside than the sound stops differ among each other.
+    /// Whether `value` is outside the range by more than the range's width.
     [[nodiscard]] bool shows(double value) const { return value > most + (most - least) || value < least - (most - least); }
 };
 
 struct Explanation {
     Case run;
     Result result;
-    Signs seen{};  ///< from the fault's begin on
-    /// Friction of the runway from the place of the fault's begin on, over that of the surface, at which a sound stop is as long; 1 where none is.
+    Signs seen{};  ///< since the beginning of the fault
+    /// Friction of the runway, from the position of the fault's beginning on, relative to that of the surface, at which a fault-free stop is as long;
+    /// 1: no such friction.
     double grip = 1.0;
-    double twin_share = 1.0;                      ///< distance of that stop over the sound one's
-    std::array<Span, kSignNames.size()> twins{};  ///< of sound stops there, by sensor seed
-    std::array<Span, kSignNames.size()> drawn{};  ///< of sound stops there on drawn rigs
+    double twin_share = 1.0;                      ///< distance of that stop over that of the fault-free one
+    std::array<Span, kSignNames.size()> twins{};  ///< of fault-free stops on that runway, with other sensor seeds
+    std::array<Span, kSignNames.size()> drawn{};  ///< of fault-free stops on that runway, on drawn rigs
 };
 
 struct ExplainOptions {
@@ -35,7 +34,7 @@ struct ExplainOptions {
     std::uint64_t rig_seed = 21;  ///< of the draws
 };
 
-/// Drawn rigs are those of the family `all` of `basis`, on the surface of the run. Throws as run_sound.
+/// Draws rigs from the family `all` of `basis`, on the surface of the run. Throws as run_fault_free.
 [[nodiscard]] Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& basis, const ExplainOptions& options = {});
 
 }  // namespace faults

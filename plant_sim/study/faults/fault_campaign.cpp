@@ -13,22 +13,22 @@ namespace faults {
 
 namespace {
 
-/// Sound stops by surface and repetition, each run once.
-class SoundStops {
+/// Fault-free stops by surface and repetition, each run once.
+class FaultFreeStops {
   public:
-    explicit SoundStops(const FaultPlan& plan) : plan_(plan), known_(plan.surfaces.size() * plan.repetitions) {}
+    explicit FaultFreeStops(const FaultPlan& plan) : plan_(plan), known_(plan.surfaces.size() * plan.repetitions) {}
 
-    const Sound& of(const Case& c) {
+    const FaultFree& of(const Case& c) {
         Entry& entry = known_[c.surface * plan_.repetitions + c.repetition];
         const std::scoped_lock lock(entry.mutex);
-        if (!entry.sound) entry.sound = run_sound(plan_, c);
+        if (!entry.sound) entry.sound = run_fault_free(plan_, c);
         return *entry.sound;
     }
 
   private:
     struct Entry {
         std::mutex mutex;
-        std::optional<Sound> sound;
+        std::optional<FaultFree> sound;
     };
     const FaultPlan& plan_;
     std::vector<Entry> known_;
@@ -38,7 +38,7 @@ class SoundStops {
 
 std::vector<Row> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options) {
     std::vector<std::optional<Row>> rows(numbers.size());
-    SoundStops sound(plan);
+    FaultFreeStops sound(plan);
     std::mutex mutex;
     std::size_t done = 0;
     const auto job = [&](std::size_t i) {
@@ -107,7 +107,7 @@ FaultPlan load_plan(const FaultPlanOptions& options) {
         plan.drop_out_mps = loaded.drop_out_mps;
         files = loaded.files;
     }
-    // Long enough that a fault at standstill is seen before and after the release.
+    // Long enough for a fault at standstill to act before and after the release.
     plan.maneuver.after_standstill_s = 0.6;
     plan.maneuver.release_s = 0.6;
     files.insert(files.end(), {controller, dbc, binding});
@@ -115,12 +115,12 @@ FaultPlan load_plan(const FaultPlanOptions& options) {
     return plan;
 }
 
-bool Beginning::reached(const study::RigSession& session) {
+bool FaultStart::reached(const study::RigSession& session) {
     reached_ = reached_ || now(session);
     return reached_;
 }
 
-bool Beginning::now(const study::RigSession& session) {
+bool FaultStart::now(const study::RigSession& session) {
     const double time_s = session.rig().time_s();
     const double v = session.rig().wheel().v_mps;
     const double brake_on_mps = session.rig().parameters().brake_on_mps;

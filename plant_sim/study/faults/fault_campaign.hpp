@@ -1,4 +1,5 @@
-/// One run: the stop in process, with real frames and the real controller, and the fault between them; and the runs of a plan on every core.
+/// Runs of the fault campaign: the stop in one process, with real frames, the real controller and the fault between them; and the runs of a plan on
+/// all cores.
 #pragma once
 
 #include <array>
@@ -22,12 +23,12 @@
 
 namespace faults {
 
-/// Where in a stop a fault begins.
+/// Part of a stop in which the fault begins.
 enum class StopPart : std::uint8_t {
     self_test,   ///< before the controller is armed
     approach,    ///< armed, in the air
     touchdown,   ///< the wheel spins up
-    rolling,     ///< it rolls freely
+    rolling,     ///< the wheel rolls freely
     build_up,    ///< 0.3 s from brake-on
     fast,        ///< braking, 90 to 50 % of the speed at brake-on
     slow,        ///< braking, 50 to 15 %
@@ -45,20 +46,20 @@ struct Surface {
     rig::RigParameters rig;
 };
 
-/// What run `number` is.
+/// Definition of one run.
 struct Case {
     std::size_t number = 0;
     Fault fault;
     StopPart phase{};
-    double at = 0.0;  ///< 0 to 1: where in the phase it begins
+    double at = 0.0;  ///< 0 to 1: point of the part at which it begins
     std::size_t surface = 0;
     std::size_t repetition = 0;
     std::uint64_t sensor_seed = 0;  ///< the same for every fault of one surface and repetition
-    std::uint64_t fault_seed = 0;   ///< of what the fault does
+    std::uint64_t fault_seed = 0;   ///< of the fault's own randomness
 };
 
-/// The campaign as a list of numbered runs: every fault of the catalogue in every phase of a stop on every surface, several times.
-/// A run's number and the seed decide everything about it, so any run can be repeated alone.
+/// The campaign as a list of numbered runs: each fault of the catalogue in each part of a stop on each surface, `repetitions` times. Number and seed
+/// determine a run completely, so that any run can be repeated alone.
 struct FaultPlan {
     std::vector<Surface> surfaces;
     antiskid::control::Config controller;
@@ -71,7 +72,7 @@ struct FaultPlan {
     std::string version;
 
     [[nodiscard]] std::size_t runs() const { return catalogue().size() * kPhaseNames.size() * surfaces.size() * repetitions; }
-    /// `number` below runs().
+    /// `number` must be below runs().
     [[nodiscard]] Case at(std::size_t number) const;
     [[nodiscard]] study::SessionOptions session(const Case& c) const;
 };
@@ -87,11 +88,11 @@ struct FaultPlanOptions {
 /// Throws settings::Error naming file, line and key.
 [[nodiscard]] FaultPlan load_plan(const FaultPlanOptions& options);
 
-/// When in a stop the fault of a case begins.
-class Beginning {
+/// Detects the instant at which the fault of a case begins.
+class FaultStart {
   public:
-    Beginning(const Case& c, double drop_out_mps) : phase_(c.phase), at_(c.at), drop_out_mps_(drop_out_mps) {}
-    /// Ask once a period: whether it has begun.
+    FaultStart(const Case& c, double drop_out_mps) : phase_(c.phase), at_(c.at), drop_out_mps_(drop_out_mps) {}
+    /// Call once a period; returns whether it has begun.
     [[nodiscard]] bool reached(const study::RigSession& session);
 
   private:
@@ -104,32 +105,32 @@ class Beginning {
     bool reached_ = false;
 };
 
-/// The same stop without a fault. Throws std::runtime_error where it names faults or does not come to rest: nothing could be said about one
-/// with a fault.
-struct Sound {
+/// The same stop without a fault. run_fault_free() throws std::runtime_error if it names faults or does not come to rest, since no comparison
+/// would be possible.
+struct FaultFree {
     double distance_m = 0.0;  ///< from brake-on to standstill
     double lasts_s = 0.0;     ///< from the start of the run to its end
     antiskid::control::FaultSet named;
 };
-[[nodiscard]] Sound run_sound(const FaultPlan& plan, const Case& c);
+[[nodiscard]] FaultFree run_fault_free(const FaultPlan& plan, const Case& c);
 
 struct Result {
     Judgement verdict;
-    double begun_s = -1.0;  ///< when the fault began; negative: the stop ended before
+    double begun_s = -1.0;  ///< time at which the fault began; negative: the stop ended before
     double begun_mps = 0.0;
 };
-/// A period of a run, after it.
+/// State after a period of a run.
 struct Period {
     const study::RigSession& session;
-    const antiskid::can::ControllerView& view;  ///< what the rig's side hears of the controller
-    double driver_mA;                           ///< the current that the valve's driver was told
-    const antiskid::control::Sensors* given;    ///< what the controller was given; null where it missed the period
-    const antiskid::control::Command& command;  ///< and its answer
-    bool begun;                                 ///< the fault has
+    const antiskid::can::ControllerView& view;  ///< the rig's view of the controller
+    double driver_mA;                           ///< current commanded at the valve's driver
+    const antiskid::control::Sensors* given;    ///< inputs of the controller; null: it missed the period
+    const antiskid::control::Command& command;  ///< the controller's answer
+    bool begun;                                 ///< whether the fault has begun
 };
 using PeriodObserver = std::function<void(const Period&)>;
-/// `sound` is that of `c`. `on_period` may be empty.
-[[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const PeriodObserver& on_period = {});
+/// `sound` must be that of `c`. `on_period` may be empty.
+[[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const FaultFree& sound, const PeriodObserver& on_period = {});
 
 struct Row {
     Case run;
@@ -138,11 +139,11 @@ struct Row {
 
 struct CampaignOptions {
     unsigned threads = 1;                              ///< at least 1; results do not depend on it
-    const std::atomic<bool>* stop = nullptr;           ///< once true, runs that have begun are finished and no other is
-    std::function<void(std::size_t done)> progress{};  ///< by any thread, one at a time
+    const std::atomic<bool>* stop = nullptr;           ///< once true, runs that have begun are finished and no others start
+    std::function<void(std::size_t done)> progress{};  ///< called by any thread, one at a time
 };
 
-/// Runs `numbers` of the plan; those that are finished, in the order given. Throws as run_sound.
+/// Runs `numbers` of the plan; returns the finished ones in the order given. Throws as run_fault_free.
 [[nodiscard]] std::vector<Row> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options);
 
 }  // namespace faults

@@ -23,7 +23,7 @@ Frame FrameFault::with_counter(const Frame& frame, std::uint64_t counter) const 
     const antiskid::can::Signal& field = message_.protection.counter;
     Frame wrong = frame;
     const Payload sent(frame.data);
-    Payload difference;  // a payload's fields are written once: exclusive or puts the new counter in
+    Payload difference;  // fields of a payload can be written only once, therefore the counter is changed by exclusive or
     difference.write(field, sent.read(field) ^ static_cast<std::int64_t>(counter));
     const auto bits = difference.bytes();
     for (std::size_t i = 0; i < wrong.data.size(); ++i) wrong.data[i] ^= bits[i];

@@ -17,8 +17,8 @@ void Judge::observe(const Observation& seen) {
     permitted_ = permitted_ || (seen.state > State::standby && seen.state < State::safe);
     lock_protection_ = lock_protection_ || seen.state == State::locked_wheel;
 
-    // Once the valve is told to release, and why is said (a fault, or a self-test that does not pass), what the hydraulics still do is not
-    // in the controller's hands.
+    // Once the valve is commanded to release and the reason is named (a fault, or a failed self-test), the controller has no influence on the
+    // hydraulics.
     const bool driver_safe = seen.driver_mA <= expected_.safe_mA;
     const bool given_up = (seen.state == State::safe || seen.state == State::self_test) && driver_safe;
     const double unasked_Pa = given_up ? 0.0 : seen.pressure_Pa - seen.asked_Pa;
@@ -51,8 +51,8 @@ Judgement Judge::verdict(bool stood) const {
     v.distance_share = sound_m > 0.0 ? took_m / sound_m : 1.0;
     const auto within = [&](double share) { return stood && took_m <= share * sound_m + bounds_.distance_slack_m; };
     const bool kept = expected_.changed_wish || within(bounds_.handled_share);
-    // A controller that never gives permission says so by its state, and no sequencer touches down on that; one that is silent is named
-    // by those who listen.
+    // A controller that never gives permission reports that by its state, and no sequencer touches down then; a silent controller is named by its
+    // listeners.
     const bool withheld = !permitted_ || fell_silent_;
     const bool degraded = lock_protection_ && within(bounds_.degraded_share);
     if (hazard_ == Hazard::none && named_.empty() && !kept && !withheld && !degraded) v.hazard = Hazard::silent_loss;

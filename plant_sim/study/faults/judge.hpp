@@ -1,4 +1,4 @@
-/// What became of a run, by criteria that stood before the first one ran (docs/engineering/fault_campaign.md, "The fault campaign").
+/// Judges a run by criteria that were fixed before the first run (docs/engineering/fault_campaign.md, "The fault campaign").
 #pragma once
 
 #include <array>
@@ -10,24 +10,24 @@
 namespace faults {
 
 enum class Outcome : std::uint8_t {
-    handled,   ///< no loss beyond the bound, or a changed wish obeyed
-    degraded,  ///< a larger loss within its own bound, and named
-    safe,      ///< fault named, valve at the safe current within the bound
-    unsafe,    ///< anything else
+    handled,   ///< the loss of distance is within its bound, or a changed command was obeyed
+    degraded,  ///< a larger loss within its own bound, and a fault named
+    safe,      ///< fault named, safe current at the valve within the bound
+    unsafe,    ///< all other outcomes
 };
 inline constexpr std::array<std::string_view, 4> kOutcomeNames{"handled", "degraded", "safe", "UNSAFE"};
 [[nodiscard]] constexpr std::string_view name(Outcome outcome) {
     return kOutcomeNames[static_cast<std::size_t>(outcome)];
 }
 
-/// Why a run is unsafe.
+/// Reason why a run is unsafe.
 enum class Hazard : std::uint8_t {
     none,
-    unasked_pressure,  ///< more pressure at the brake than the sequencer asks for
+    unasked_pressure,  ///< more pressure at the brake than the sequencer demands
     locked_wheel,      ///< a locked wheel under pressure
-    late_safe,         ///< the controller is safe, its valve's driver is not
+    late_safe,         ///< the controller is in its safe state, the valve's driver does not give the safe current in time
     stop_not_heard,    ///< an emergency stop without effect
-    silent_loss,       ///< braking lost, and nothing says so
+    silent_loss,       ///< loss of braking without a named fault
 };
 inline constexpr std::array<std::string_view, 6> kHazardNames{"none",      "unasked_pressure", "locked_wheel",
                                                               "late_safe", "stop_not_heard",   "silent_loss"};
@@ -35,40 +35,40 @@ inline constexpr std::array<std::string_view, 6> kHazardNames{"none",      "unas
     return kHazardNames[static_cast<std::size_t>(hazard)];
 }
 
-/// The criteria.
+/// Limits of the criteria.
 struct Bounds {
-    double handled_share = 1.15;  ///< distance from the fault's begin to standstill against the sound run's, at most
+    double handled_share = 1.15;  ///< largest distance from the fault's beginning to standstill, relative to the fault-free run's
     double degraded_share = 1.5;
     double distance_slack_m = 1.0;           ///< added to both
-    double unasked_Pa = 1e6;                 ///< pressure above what is asked for ...
-    double unasked_s = 0.25;                 ///< ... for so long
+    double unasked_Pa = 1e6;                 ///< pressure above the demand ...
+    double unasked_s = 0.25;                 ///< ... for this time
     double lock_slip = 0.95;                 ///< a locked wheel ...
     double lock_pressure_Pa = 0.5e6;         ///< ... under pressure ...
     double lock_above_mps = 6.0;             ///< ... at a speed above ...
-    double lock_s = 0.25;                    ///< ... for so long
+    double lock_s = 0.25;                    ///< ... for this time
     std::uint32_t safe_within_periods = 21;  ///< from the controller's safe state to the safe current at the valve's driver
     double stop_within_s = 0.5;              ///< from the emergency stop to State::safe
 };
 
-/// The plant's true state and what the controller says, once a period.
+/// The plant's true state and the controller's status, once a period.
 struct Observation {
     double period_s = 0.0;
     double distance_m = 0.0;  ///< since brake-on
     double v_mps = 0.0;
     double slip = 0.0;
     double pressure_Pa = 0.0;
-    double asked_Pa = 0.0;   ///< as the sequencer sends it: no demand where it does not arm, or the wheel carries no load
-    double driver_mA = 0.0;  ///< the current that the valve's driver was told
+    double asked_Pa = 0.0;   ///< demand of the sequencer: 0 if it does not arm, or the wheel carries no load
+    double driver_mA = 0.0;  ///< current commanded at the valve's driver
     antiskid::control::State state{};
     antiskid::control::FaultSet named;
-    bool received = true;  ///< the valve's driver has had a command within its own limit
+    bool received = true;  ///< whether the valve's driver got a command within its own time limit
 };
 
-/// What the run was for.
+/// Expectations for the run.
 struct Expectation {
-    double sound_distance_m = 0.0;  ///< of the same stop without the fault
+    double sound_distance_m = 0.0;  ///< of the fault-free stop
     double safe_mA = 0.0;
-    bool changed_wish = false;    ///< less braking may be what was asked for
+    bool changed_wish = false;    ///< the fault changes the command: less braking may be right
     bool emergency_stop = false;  ///< pressed when the fault begins
 };
 
@@ -76,8 +76,8 @@ struct Judgement {
     Outcome outcome{};
     Hazard hazard{};
     antiskid::control::FaultSet named;  ///< latched since the fault began
-    double named_after_s = -1.0;        ///< from the fault's begin to the first name; negative: none
-    double distance_share = 1.0;        ///< from the fault's begin to the end, against the sound run's
+    double named_after_s = -1.0;        ///< from the fault's beginning to the first name; negative: none
+    double distance_share = 1.0;        ///< from the fault's beginning to the end, relative to the fault-free run
     double longest_lock_s = 0.0;
     double max_uncommanded_Pa = 0.0;
     bool operator==(const Judgement&) const = default;
@@ -87,9 +87,9 @@ class Judge {
   public:
     Judge(const Bounds& bounds, const Expectation& expected) : bounds_(bounds), expected_(expected) {}
 
-    /// Every period from the one in which the fault begins.
+    /// Call in every period from the fault's beginning on.
     void observe(const Observation& seen);
-    /// `stood`: the aircraft came to rest.
+    /// `stood`: whether the aircraft came to rest.
     [[nodiscard]] Judgement verdict(bool stood) const;
 
   private:

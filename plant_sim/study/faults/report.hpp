@@ -1,4 +1,4 @@
-/// A campaign as tables and as a picture.
+/// A fault campaign as tables and as a picture.
 #pragma once
 
 #include <filesystem>
@@ -9,17 +9,17 @@
 
 namespace faults {
 
-/// Every run; units in the header.
+/// All runs as CSV with units in the header.
 [[nodiscard]] std::string to_csv(const FaultPlan& plan, std::span<const Row> rows);
-/// Totals, the bounds, and for each signal and kind how its runs ended, what named it and after which time.
+/// Totals, bounds, and for each signal and kind the outcomes, the faults named and their delays.
 [[nodiscard]] std::string to_json(const FaultPlan& plan, std::span<const Row> rows);
-/// For people: outcomes by signal, and the unsafe runs, at most `most` of them.
+/// Text for people: outcomes by signal, and at most `max` of the unsafe runs.
 [[nodiscard]] std::string to_table(const FaultPlan& plan, std::span<const Row> rows, std::size_t max);
-/// One run in a line of words: what fault, where, and what became of it.
+/// One line of text: the run's fault and conditions, or its result.
 [[nodiscard]] std::string describe(const FaultPlan& plan, const Case& run);
 [[nodiscard]] std::string describe(const Result& result);
 
-/// Signals and kinds over phases and surfaces; each cell the worst outcome of its runs. Throws as pictures::run_gnuplot.
+/// Picture of signals and kinds over parts and surfaces; each cell shows the worst outcome of its runs. Throws as pictures::run_gnuplot.
 void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::filesystem::path& png);
 
 }  // namespace faults

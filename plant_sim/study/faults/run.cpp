@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -42,8 +41,8 @@ double teeth_of(Signal signal, const rig::RigParameters& rig) {
     return signal == Signal::flywheel ? rig.flywheel_encoder.teeth : rig.wheel_encoder.teeth;
 }
 
-/// A bias of the law is the next one; a spike another one at random in a share of the periods; saturation the largest code. An
-/// emergency stop is pressed for as long as the fault lasts, at least for kPressed_s.
+/// bias of the law: the next law; spike: a random law in a share of the periods; saturation: the largest code. An emergency stop is pressed as long
+/// as the fault lasts, at least for kPressed_s.
 class SampleFault {
   public:
     static constexpr double kPressed_s = 0.5;
@@ -123,7 +122,7 @@ using antiskid::control::Command;
 using antiskid::control::Controller;
 using antiskid::control::Time;
 
-/// Whose frames a signal's bus faults hit.
+/// Message affected by a bus fault of the signal.
 Role role_of(Signal signal) {
     switch (signal) {
         case Signal::wheel:
@@ -143,7 +142,7 @@ Role role_of(Signal signal) {
     }
 }
 
-/// Bus, valve driver, and the fault wherever it sits.
+/// Bus, valve driver and fault.
 class FaultLink {
   public:
     FaultLink(const FaultPlan& plan, const Case& c)
@@ -159,19 +158,19 @@ class FaultLink {
           valve_(c.fault, static_cast<double>(plan.controller.period_s)),
           machine_(c.fault) {}
 
-    /// Whether the fault is there in the cycles to come.
+    /// Sets whether the fault acts in the following cycles.
     void set_active(bool active) { active_ = active; }
     [[nodiscard]] const Command& command() const { return command_; }
-    /// What the controller was given in the last cycle; null where it missed that.
+    /// Inputs of the controller in the last cycle; null: it missed the cycle.
     [[nodiscard]] const antiskid::control::Sensors* given() const { return missed_ == 0 ? &port_.sensors() : nullptr; }
     [[nodiscard]] const antiskid::can::ControllerView& view() const { return rig_port_.controller(); }
     [[nodiscard]] double driver_mA() const { return driver_.current_mA(); }
-    /// What flows, whatever the driver gives.
+    /// The effective current, which may differ from the driver's.
     [[nodiscard]] double current_mA() const { return current_mA_; }
     [[nodiscard]] antiskid::control::State state() const { return command_.state; }
-    /// Whether the valve's driver hears the controller.
-    [[nodiscard]] bool received() const { return driver_.hears(); }
-    /// Demand as it is sent; none where it is not armed or the wheel carries no load.
+    /// Whether the valve's driver has a valid command.
+    [[nodiscard]] bool received() const { return driver_.has_command(); }
+    /// The demand sent; 0 if it does not arm, or the wheel carries no load.
     [[nodiscard]] double asked_Pa() const {
         return asked_.arm && asked_.weight_on_wheels ? layout_.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa)) : 0.0;
     }
@@ -265,7 +264,7 @@ constexpr double kLongest_s = 600.0;
 
 }  // namespace
 
-Sound run_sound(const FaultPlan& plan, const Case& c) {
+FaultFree run_fault_free(const FaultPlan& plan, const Case& c) {
     study::Loop<FaultLink> loop = loop_of(plan, c, kLongest_s);
     const study::RunResult run = loop.run({});
     if (!run.faults.empty() || !loop.session().rig().standstill())
@@ -275,8 +274,8 @@ Sound run_sound(const FaultPlan& plan, const Case& c) {
     return {.distance_m = run.figures.stop_distance_m, .lasts_s = loop.session().rig().time_s(), .named = run.faults};
 }
 
-Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const PeriodObserver& on_period) {
-    constexpr double kPatience = 2.0;  // times the sound run's length: nobody brakes any more
+Result run_one(const FaultPlan& plan, const Case& c, const FaultFree& sound, const PeriodObserver& on_period) {
+    constexpr double kPatience = 2.0;  // times the length of the fault-free run: nothing brakes any more
     study::Loop<FaultLink> loop = loop_of(plan, c, kPatience * sound.lasts_s);
     study::RigSession& session = loop.session();
     const plant::Rig& rig = session.rig();
@@ -286,7 +285,7 @@ Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const P
                      .changed_wish = changes_wish(c.fault.what.signal),
                      .emergency_stop = c.fault.what.signal == Signal::emergency_stop});
     Result result;
-    Beginning beginning(c, plan.drop_out_mps);
+    FaultStart beginning(c, plan.drop_out_mps);
     bool begun = false;
     double ends_s = 0.0;
     while (!session.done()) {

@@ -1,4 +1,4 @@
-/// What a sensor, a sequencer or a driver can do to its value, while the frames that carry it are sound.
+/// Faults of a value that is sent in undamaged frames, by a sensor, a sequencer or a driver.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,18 @@
 
 namespace faults {
 
-/// What is large for a value.
+/// Magnitudes for a value.
 struct Scale {
-    double min_bias;  ///< a bias, a spike and the deviation of noise are this ...
+    double min_bias;  ///< a bias, a spike and the deviation of noise are from this ...
     double max_bias;  ///< ... to this, by strength
-    double full;      ///< what it reads at most
+    double full;      ///< largest reading
 };
 
-/// - freeze: the value at the start of the fault stays
+/// - freeze: the value keeps its reading at the fault's beginning
 /// - bias: an offset
-/// - noise: normal, with a standard deviation
+/// - noise: normally distributed, with a standard deviation
 /// - spike: an offset in a share of the periods
-/// - saturation: not above a share of full scale by strength; if negative, stuck at full scale
+/// - saturation: limited to a share of full scale, by strength; if negative, constantly full scale
 /// - wrong_sign
 class ValueFault {
   public:
@@ -33,7 +33,7 @@ class ValueFault {
     double at_start_ = 0.0;
 };
 
-/// A switch: freeze as above; noise: on or off by chance, in every period; spike: turned over in a share of the periods; wrong_sign: turned over.
+/// Faults of a switch. freeze: as above; noise: random in every period; spike: inverted in a share of the periods; wrong_sign: inverted.
 class SwitchFault {
   public:
     explicit SwitchFault(const Fault& fault) : fault_(fault) {}
@@ -45,19 +45,19 @@ class SwitchFault {
     bool at_start_ = false;
 };
 
-/// An encoder, whose value is edge count and time. After the fault it goes on counting from where it is.
+/// Faults of an encoder, whose value is edge count and time. After the fault it continues to count from its present count.
 ///
-/// - freeze: no edge is seen any more
-/// - bias: speed wrong by 2 to 50 %; noise: of 1 to 30 % in every period; spike: by 0.2 to 10 times the speed in a share of the periods
-/// - saturation: not above 5 to 90 % of full scale; if negative, at full scale
-/// - missing_tooth: one to three teeth in a row are gone
+/// - freeze: no further edges
+/// - bias: speed wrong by 2 to 50 %; noise: by 1 to 30 % in every period; spike: by 0.2 to 10 times the speed in a share of the periods
+/// - saturation: limited to 5 to 90 % of full scale; if negative, full scale
+/// - missing_tooth: one to three adjacent teeth are missing
 /// - wrong_sign: counts backwards
 /// - clock_step: edge times jump by 1 ms to 100 s
 class EncoderFault {
   public:
-    /// `full_radps`: the speed at full scale.
+    /// `full_radps`: speed at full scale.
     EncoderFault(const Fault& fault, double teeth, double full_radps) : fault_(fault), teeth_(teeth), full_radps_(full_radps) {}
-    /// `speed_radps`: of the shaft. Call once a period of `period_s`.
+    /// Call once a period of `period_s`. `speed_radps`: speed of the shaft.
     [[nodiscard]] antiskid::can::SpeedSample apply(const antiskid::can::SpeedSample& sample, double speed_radps, double now_s, double period_s,
                                                    bool active, rig::Random& random);
 
@@ -73,8 +73,8 @@ class EncoderFault {
     bool begun_ = false;
     antiskid::can::SpeedSample at_start_;
     antiskid::can::SpeedSample shown_;
-    double edges_ = 0.0;          // that the wrong speed has passed since the start
-    std::uint32_t ahead_by_ = 0;  // of the count after the fault, modulo 2^32
+    double edges_ = 0.0;          // of the wrong speed since the fault's beginning
+    std::uint32_t ahead_by_ = 0;  // offset of the count after the fault, modulo 2^32
 };
 
 }  // namespace faults

@@ -1,4 +1,4 @@
-/// The valve's driver, as a rig must have it (docs/engineering/fault_campaign.md).
+/// The valve's driver that a rig must have (docs/engineering/fault_campaign.md).
 #pragma once
 
 #include "firmware/can/controller_view.hpp"
@@ -6,14 +6,14 @@
 
 namespace faults {
 
-/// Gives the commanded current; none when no command was accepted for kSilence, and while more than kMaxRefused commands were refused
-/// beyond those that were accepted: of many old or corrupt ones some pass their checks by chance.
+/// Outputs the commanded current. Outputs none if no command was accepted for kSilence, and while more than kMaxRejected more commands were rejected
+/// than accepted: of many old or corrupt ones some pass their checks by chance.
 class ValveDriver {
   public:
     static constexpr antiskid::control::Time kSilence{20'000'000};
     static constexpr std::uint32_t kMaxRejected = 20;
 
-    /// Once a period, after the frames of that period.
+    /// Call once a period, after the frames of that period.
     void update(const antiskid::can::ControllerView& controller, const antiskid::can::MessageStats& stats, antiskid::control::Time now) {
         const std::uint32_t more = stats.rejected() - rejected_;
         rejected_ = stats.rejected();
@@ -21,17 +21,18 @@ class ValveDriver {
         if (stats.accepted != accepted_ && score_ > 0) --score_;
         accepted_ = stats.accepted;
         if (score_ > 2 * kMaxRejected) score_ = 2 * kMaxRejected;
-        hears_ = controller.command_received != antiskid::control::kNever && now - controller.command_received <= kSilence && score_ <= kMaxRejected;
-        current_mA_ = hears_ ? static_cast<double>(controller.current_mA) : 0.0;
+        has_command_ =
+            controller.command_received != antiskid::control::kNever && now - controller.command_received <= kSilence && score_ <= kMaxRejected;
+        current_mA_ = has_command_ ? static_cast<double>(controller.current_mA) : 0.0;
     }
-    [[nodiscard]] bool hears() const { return hears_; }
+    [[nodiscard]] bool has_command() const { return has_command_; }
     [[nodiscard]] double current_mA() const { return current_mA_; }
 
   private:
     std::uint32_t rejected_ = 0;
     std::uint32_t accepted_ = 0;
     std::uint32_t score_ = 0;
-    bool hears_ = false;
+    bool has_command_ = false;
     double current_mA_ = 0.0;
 };
 

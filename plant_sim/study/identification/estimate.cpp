@@ -32,7 +32,7 @@ MatrixXd jacobian(const LeastSquares& problem, const Residuals& residuals, const
     return j;
 }
 
-/// Lags of a Bartlett window for scores that are about AR(1), the most that any parameter asks for.
+/// Number of lags of a Bartlett window for scores that are approximately AR(1): the largest of all parameters.
 int lags_for(const MatrixXd& scores) {
     constexpr double kLargestCorrelation = 0.97;
     const Index n = scores.rows();
@@ -71,7 +71,7 @@ MatrixXd batched_scores(const MatrixXd& j, const VectorXd& r, int batch) {
     return scores;
 }
 
-/// The same of residuals whose correlation depends on nothing but how far they are apart.
+/// The same for residuals whose correlation depends only on their distance.
 MatrixXd long_run_of_stationary(const MatrixXd& j, const VectorXd& r, int lags) {
     const Index n = r.size();
     MatrixXd sum = r.squaredNorm() / static_cast<double>(n) * (j.transpose() * j);

@@ -41,7 +41,7 @@ LeastSquares problem(const std::vector<FrictionReadings>& runs) {
     return p;
 }
 
-/// The readings of one run, with errors that are white about a curve.
+/// Readings of one run, weighted so that their errors about a curve are white.
 class Weighted {
   public:
     Weighted(const FrictionReadings& run, const rig::Surface& about, double force_noise_N) : readings_(run.all()) {
@@ -101,7 +101,7 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
     const std::vector<std::string> names{"c1", "c2", "c3"};
     std::deque<Weighted> weighted;
     Fit found;
-    // The weights follow from the curve, so they settle with it.
+    // The weights depend on the curve, so both are iterated.
     for (int round = 0; round < 4; ++round) {
         weighted.clear();
         for (const FrictionReadings& run : seen) weighted.emplace_back(run, curve(min.start), noise_N);

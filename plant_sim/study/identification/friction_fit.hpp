@@ -1,5 +1,4 @@
-/// Burckhardt's c1, c2, c3 of eq. (4) from slip and force, by generalised least squares: see friction_readings.hpp for the readings and their
-/// errors.
+/// Burckhardt's c1, c2, c3 of eq. (4) from slip and force, by generalised least squares; friction_readings.hpp has the readings and their errors.
 #pragma once
 
 #include <span>
@@ -15,15 +14,15 @@ namespace identification {
 struct FrictionFit {
     std::string surface;
     Estimate c1, c2, c3;
-    double rms = 0.0;           ///< of mu, where slip moves slowly
-    double largest_slip = 0.0;  ///< that was seen
+    double rms = 0.0;           ///< of mu, where slip changes slowly
+    double largest_slip = 0.0;  ///< largest measured slip
     double lags_s = 0.0;
-    std::vector<double> slip, mu, deviation;  ///< the readings, and the expected deviation of each mu
+    std::vector<double> slip, mu, deviation;  ///< the readings, and the expected standard deviation of each mu
 
     [[nodiscard]] rig::Surface curve() const { return {.name = surface, .c1 = c1.value, .c2 = c2.value, .c3 = c3.value}; }
 };
 
-/// From the runs on `surface`. Throws NotIdentifiable where slip does not reach from free rolling to beyond the peak.
+/// Uses the runs on `surface`. Throws NotIdentifiable if slip does not range from free rolling to beyond the peak.
 [[nodiscard]] FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface);
 
 }  // namespace identification

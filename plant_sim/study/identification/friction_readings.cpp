@@ -11,11 +11,11 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kOff_s = 1e-3;  // what a reading's instant may be off after its age is taken away
+constexpr double kOff_s = 1e-3;  // error of a reading's instant after correction for its age
 constexpr double kMinSlip = 0.003;
-constexpr double kSlowSlip = 0.002;  // change over a window below which slip counts as held
+constexpr double kSlowSlip = 0.002;  // change over a window below which slip counts as constant
 
-/// Covariance of the jitter at two instants, for edges of unit variance: by the stamps that both lie between.
+/// Covariance of the jitter at two instants, for edges of unit variance; it is not 0 if both depend on a common edge.
 double shared(const ShaftTrack::Place& a, const ShaftTrack::Place& b) {
     if (a.edge == b.edge) return (1.0 - a.share) * (1.0 - b.share) + a.share * b.share;
     if (a.edge + 1 == b.edge) return a.share * (1.0 - b.share);
@@ -23,7 +23,7 @@ double shared(const ShaftTrack::Place& a, const ShaftTrack::Place& b) {
     return 0.0;
 }
 
-/// The borders of one window on one shaft.
+/// The ends of one window on one shaft.
 using Borders = std::array<ShaftTrack::Place, 2>;
 
 bool apart(const Borders& earlier, const Borders& later) {

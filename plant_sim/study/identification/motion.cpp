@@ -35,7 +35,7 @@ ShaftTrack::ShaftTrack(const Recording& recording, Edges Sample::*shaft, double 
             if (passed == 0) continue;
             edges += passed;
         }
-        // Before the first new edge the last one may be of long ago.
+        // Before the first new edge, the last one may be long ago.
         if (i > from) offset_s = std::min(offset_s, samples[i].time_s - now.time_s);
         if (!points_.empty() && now.time_s <= points_.back().time_s) continue;
         points_.push_back({now.time_s, edges * per_edge});
@@ -107,7 +107,7 @@ Motion::Motion(const Run& run, double cell_age_s, std::size_t from, std::size_t 
     }
     if (readings > 0.0) load /= readings;
     free_radius_m_ = brake_on_mps_ / omega + load / stiffness_Npm_;
-    // Four borders, two of each shaft; an instant between two stamped edges has 2/3 of the variance of one.
+    // Four ends, two on each shaft; an instant between two edges has 2/3 of the variance of one edge.
     const double rolling_s = brake_on_s_ - rolling_from_s;
     const double by_edges = std::sqrt(4.0 * 2.0 / 3.0) * run.rig.edge_jitter_s / rolling_s * free_radius_m_;
     const double variance = readings > 1.0 ? (squares / readings - load * load) / (readings - 1.0) : 0.0;
@@ -115,8 +115,8 @@ Motion::Motion(const Run& run, double cell_age_s, std::size_t from, std::size_t 
     find_contact();
 }
 
-/// The wheel's first edge comes late: it begins to turn slowly, under a load that begins at nothing. The load itself is seen earlier; it
-/// approaches its set-point with a lag, F = F_set (1 - exp(-t / lag)), of which two readings show both unknowns.
+/// The wheel's first edge is late: it starts to turn slowly, under a load that rises from zero. The load shows contact earlier; it approaches its
+/// set-point with a lag, F = F_set (1 - exp(-t / lag)), and two readings determine both unknowns.
 void Motion::find_contact() {
     constexpr double kSeen = 0.03;
     const double set_N = load_N(brake_on_s_);
@@ -127,7 +127,7 @@ void Motion::find_contact() {
         if (b.vertical_N <= a.vertical_N || b.vertical_N >= set_N) return;
         const double lag_s = (b.time_s - a.time_s) / std::log((set_N - a.vertical_N) / (set_N - b.vertical_N));
         contact_s_ = std::min(contact_s_, a.time_s + lag_s * std::log(1.0 - a.vertical_N / set_N));
-        // Between the last reading of nothing and the first of something the load rises from contact on.
+        // Contact, where the load starts to rise, is between the last reading of zero and the first non-zero one.
         const auto first = std::find_if(cells_.begin(), cells_.end(), [this](const CellReading& c) { return c.time_s > contact_s_; });
         if (first != cells_.begin() && contact_s_ > (first - 1)->time_s) cells_.insert(first, {contact_s_, 0.0, 0.0});
         return;

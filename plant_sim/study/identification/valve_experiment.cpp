@@ -12,7 +12,7 @@ namespace {
 constexpr double kSettled_s = 0.3;   // after a change of this much the static map shows
 constexpr double kRamp_mAps = 10.0;  // slower is a ramp
 
-/// Readings near the points of the map, by the way that they were passed.
+/// Readings near the points of the map, by the direction of the ramp.
 class Branches {
   public:
     explicit Branches(const std::vector<double>& currents) : currents_(currents), up_(currents.size()), down_(currents.size()) {}
@@ -24,7 +24,7 @@ class Branches {
             if (e.measured[k] == 0) continue;
             const double change_mA = e.current_mA[k + half] - e.current_mA[k - half];
             const double slope = change_mA / (2.0 * static_cast<double>(half) * e.period_s);
-            // A ramp moves half its way in half the time; a step does not.
+            // A ramp makes half of its change in half of the time; a step does not.
             const double middle_mA = e.current_mA[k] - e.current_mA[k - half];
             if (std::abs(slope) > kRamp_mAps || std::abs(change_mA) < 0.05 ||
                 std::abs(middle_mA - 0.5 * change_mA) > 0.2 * std::abs(change_mA) + 0.06)
@@ -144,7 +144,7 @@ void check_dynamics(std::span<const ValveExperiment> experiments, double dead_zo
         for (std::size_t k = window; k < e.current_mA.size(); ++k) {
             const double from_mA = e.current_mA[k - window];
             const double to_mA = e.current_mA[k];
-            // What happens in the dead zone no gauge sees.
+            // No gauge shows the dead zone.
             if (e.measured[k] == 0 || std::min(from_mA, to_mA) <= dead_zone_mA || std::abs(to_mA - from_mA) < kMoves_mA) continue;
             ++changes;
             k += window;

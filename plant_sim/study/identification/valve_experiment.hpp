@@ -1,4 +1,4 @@
-/// What a recording says of the valve: the current that was commanded and the pressure that came of it, with the wheel at rest.
+/// Valve data of a recording: commanded current and resulting pressure, with the wheel at rest.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace identification {
 
-/// The part of a recording that counts, on a grid of periods. The current is followed from the start of braking, so that the valve's state at
-/// standstill is known; pressures count at standstill only.
+/// The relevant part of a recording, sampled once a period. The current is followed from the beginning of braking, so that the valve's state at
+/// standstill is known; only pressures at standstill are used.
 struct ValveExperiment {
     std::string name;
     double period_s = 0.0;
     double start_s = 0.0;
     std::vector<double> current_mA;
     std::vector<double> pressure_Pa;
-    std::vector<std::uint8_t> measured;  ///< false where samples were missing
+    std::vector<std::uint8_t> measured;  ///< false: the sample is missing
 };
 
-/// Whether the rig stood long enough while it was recorded.
+/// Whether the recording has a standstill that is long enough.
 [[nodiscard]] bool shows_valve(const Recording& recording);
 
-/// Throws NotIdentifiable where samples are missing for more than 50 ms.
+/// Throws NotIdentifiable if samples are missing for more than 50 ms.
 [[nodiscard]] ValveExperiment valve_experiment(const Recording& recording);
 
-/// Throws NotIdentifiable where the gauge saturates, or the current leaves the map that is wanted.
+/// Throws NotIdentifiable if the gauge saturates, or the current leaves the range of the requested map.
 void check_range(const ValveExperiment& experiment, const KnownRig& rig);
 
-/// Throws NotIdentifiable where the current does not move fast above the dead zone.
+/// Throws NotIdentifiable if the current does not change fast above the dead zone.
 void check_dynamics(std::span<const ValveExperiment> experiments, double dead_zone_mA);
 
-/// What rising and falling ramps say of the static map, without regard to the lag: pressures, Pa, at rig.map_currents; a start for a fit. Throws
-/// NotIdentifiable where a point of the map has not been passed both ways. The first point, of no pressure, and the last, where a ramp turns,
-/// need one way.
+/// Static map from rising and falling ramps without regard to the lag: pressures, Pa, at rig.map_currents, as start of a fit. Throws NotIdentifiable
+/// if a point of the map was not passed in both directions; for the first point, without pressure, and the last, at which a ramp turns, one direction
+/// is enough.
 [[nodiscard]] std::vector<double> ramp_pressures_Pa(std::span<const ValveExperiment> experiments, const KnownRig& rig);
 
 }  // namespace identification

@@ -38,7 +38,7 @@ struct ValveShape {
         std::vector<rig::PressureMap::Point> points;
         points.reserve(current_mA.size() + 1);
         points.push_back({theta[0], 0.0});
-        // A trial of the fit may fall from point to point; the map of a valve does not.
+        // A trial point of the fit may decrease along the map; a valve's map does not.
         for (Index i = 0; i < pressures(); ++i) {
             points.push_back({current_mA[static_cast<std::size_t>(i)], std::max(theta[1 + i] * 1e6, points.back().pressure_Pa)});
         }
@@ -57,9 +57,9 @@ struct ValveShape {
         for (const char* name : {"hysteresis", "natural frequency", "damping", "delay"}) all.emplace_back(name);
         return all;
     }
-    /// With bounds and scales, started at this map.
+    /// Least-squares problem with bounds and scales, started at this map.
     [[nodiscard]] LeastSquares problem(double dead_zone_mA, const std::vector<double>& pressures_Pa) const {
-        // Where dynamics start does not matter much: any valve that can hold a wheel lies within a factor of three of this.
+        // The start of the dynamics is uncritical: every valve that can hold a wheel is within a factor of three.
         constexpr double kStart_radps = 2.0 * std::numbers::pi * 12.0;
         LeastSquares p;
         const Index n = size();
@@ -84,7 +84,7 @@ struct ValveShape {
     }
 };
 
-/// The modelled pressure of every experiment, and which samples count. Shape and experiments must outlive it.
+/// Modelled pressure of each experiment, and the choice of samples. Shape and experiments must outlive it.
 class ValveModel {
   public:
     /// `range_Pa`: of the gauge.
@@ -104,7 +104,7 @@ class ValveModel {
         for (std::size_t i = 0; i < experiments_.size(); ++i)
             valve_response(experiments_[i].current_mA, experiments_[i].period_s, map, valve, modelled_[i]);
     }
-    /// By what the model says, not by the reading: a choice by the reading would be a choice by its noise.
+    /// Chooses samples by the model, not by the reading, since a choice by the reading would be biased by its noise.
     void choose() {
         constexpr double kNearZero_Pa = 0.15e6;  // below, a gauge's noise is cut off at zero
         count_ = 0;
@@ -166,7 +166,7 @@ class ValveModel {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// dP/dI of the map where half the full pressure is.
+/// dP/dI of the map at half of the full pressure.
 double middle_slope(const rig::PressureMap& map) {
     const auto& points = map.points();
     const double half_Pa = 0.5 * points.back().pressure_Pa;
@@ -219,7 +219,7 @@ ValveFit fit_valve(std::span<const Recording> recordings, const KnownRig& rig) {
         model.residuals(residuals);
     };
     Fit found;
-    // Which samples count follows from the model, so it settles with it.
+    // The choice of samples depends on the model, so both are iterated.
     for (int round = 0; round < 2; ++round) {
         model.run(min.start);
         model.choose();

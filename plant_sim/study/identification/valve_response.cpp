@@ -1,18 +1,19 @@
 #include "plant_sim/study/identification/valve_response.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace identification {
 
 namespace {
 
-/// One period under two held inputs, the older one first.
+/// One period with two successive constant inputs.
 struct Period {
     double pp, pr, p_old, p_new;
     double rp, rr, r_old, r_new;
 };
 
-/// The static input is held between commands, and a delay of n periods and a rest cuts each period in two.
+/// The static input is constant between commands; a delay of n periods and a rest divides each period in two.
 Period period(const rig::ValveParameters& valve, double rest_s, double period_s) {
     using Transition = plant::ValveDynamics::Transition;
     const Transition b = plant::ValveDynamics::transition(valve, period_s - rest_s);

@@ -17,12 +17,12 @@ using Eigen::VectorXd;
 constexpr std::size_t kPowers = 4;
 constexpr double kSpeedWindow_s = 0.02;
 constexpr double kBefore_s = 1.0;          // of the rim's coasting before contact
-constexpr double kSlowestStart_mps = 6.0;  // of a stop that counts: below, drop-out may lock the wheel
-constexpr double kMinStop_mps = 20.0;      // a stop from less shows no friction over speed
+constexpr double kSlowestStart_mps = 6.0;  // of a stop that counts: below it, drop-out may lock the wheel
+constexpr double kMinStop_mps = 20.0;      // a stop from a lower speed does not show friction over speed
 constexpr double kSettle_s = 0.05;
-constexpr double kContact_s = 5e-3;  // what the instant of contact may be off: half of the time between two load readings
+constexpr double kContact_s = 5e-3;  // error of the instant of contact: half of the interval of the load readings
 
-/// One window: everything that the balance is linear in.
+/// One window: the terms of the balance, which is linear in them.
 struct Row {
     double time_s = 0.0, v_mps = 0.0;
     double momentum_Nms = 0.0;  // integral of r m dv since the start
@@ -50,7 +50,7 @@ double speed_at(const std::vector<Row>& rows, double time_s) {
     return a.v_mps + (next->v_mps - a.v_mps) * (time_s - a.time_s) / (next->time_s - a.time_s);
 }
 
-/// The mean of the running integral over each window, from integrals of integrals: a window need not begin at a sample.
+/// Adds the mean of the running integral over each window, from integrals of integrals: a window need not begin at a sample.
 void add_impulses(const Run& run, const Motion& motion, Segment& segment) {
     std::array<double, kPowers> power_last{}, sum{}, sum_of_sums{};
     std::array<double, kPowers> at_start{};  // sum_of_sums at the start of the window
@@ -61,7 +61,7 @@ void add_impulses(const Run& run, const Motion& motion, Segment& segment) {
     for (const Sample& s : run.recording.samples) {
         if (s.time_s < segment.rows.front().time_s - kSpeedWindow_s || s.phase > phase::kBraking) continue;
         if (row == segment.rows.size()) return;
-        // Before brake-on the gauge shows its noise above zero.
+        // Before brake-on the gauge's reading is noise, cut off at zero.
         double power = s.time_s < motion.brake_on_s() ? 0.0 : run.rig.brake_gain_m3 * s.pressure_Pa;
         const double x = std::min(speed_at(segment.rows, s.time_s) / motion.brake_on_mps(), 1.0);
         const double step_s = begun ? s.time_s - last_s : 0.0;
@@ -93,7 +93,7 @@ void add_impulses(const Run& run, const Motion& motion, Segment& segment) {
     segment.rows.resize(row);
 }
 
-/// Noise of one pressure reading: third differences, in which what a valve does in 1 ms hardly shows.
+/// Noise of one pressure reading, from third differences, on which the valve's motion in 1 ms has hardly any effect.
 double gauge_noise_Pa(const Recording& recording) {
     std::vector<double> differences;
     const auto& s = recording.samples;
@@ -108,8 +108,8 @@ double gauge_noise_Pa(const Recording& recording) {
     return *middle / kMedianOfNormal / std::sqrt(20.0);
 }
 
-/// Jitter at a border of windows counts in both of them, with opposite signs; the gauge's noise is summed up by the integral and never
-/// forgotten. Residuals divided by this covariance are about white.
+/// Jitter at a border counts in both adjacent windows, with opposite signs; the integral sums up the gauge's noise without end. Residuals divided by
+/// this covariance are nearly white.
 Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& segment) {
     constexpr double kLikelyFriction = 0.3;
     const auto n = static_cast<Index>(segment.rows.size());
@@ -123,7 +123,7 @@ Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& 
         border[i] = noise * noise;
         walked[i] = walk * std::max(segment.rows[i].time_s - motion.brake_on_s(), 0.0);
     }
-    // What the rim lost to drag before contact is as uncertain as the instant of contact, for all windows before it alike.
+    // The drag loss of the rim before contact has the error of the instant of contact, which is the same in all windows before it.
     const std::size_t off =
         static_cast<std::size_t>(std::count_if(segment.rows.begin(), segment.rows.end(), [](const Row& row) { return row.coasting_s < 0.0; }));
     double contact = 0.0;
@@ -132,7 +132,7 @@ Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& 
         const Row& last = segment.rows[off - 1];
         contact = segment.to_mps * (first.v_mps - last.v_mps) / (last.time_s - first.time_s) * kContact_s;
     }
-    constexpr double kFloor = 0.05;  // of the jitter: what the balance leaves out
+    constexpr double kFloor = 0.05;  // of the jitter: for effects that the balance neglects
     for (Index i = 0; i < n; ++i) {
         const auto a = static_cast<std::size_t>(i);
         for (Index j = 0; j <= i; ++j) {
@@ -160,8 +160,7 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
     const double m = run.rig.mass_kg;
     const double r = motion.radius_m(motion.brake_on_s());
     s.to_mps = m * r;
-    // The radius falls within some 10 ms while the wheel spins up, so r dv is summed up in parts of a window. Jitter cancels from part to
-    // part.
+    // The radius decreases within about 10 ms while the wheel spins up, so that r dv is summed in parts of a window. The jitter of the parts cancels.
     constexpr int kParts = 10;
     constexpr double kPart_s = kSpeedWindow_s / kParts;
     double momentum = 0.0;
@@ -188,13 +187,13 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
     }
     if (s.rows.empty()) return s;
     add_impulses(run, motion, s);
-    // Around contact a window lies on both sides of it.
+    // A window around contact would be on both sides of it.
     std::erase_if(s.rows, [&](const Row& row) { return std::abs(row.time_s - motion.contact_s()) < kSettle_s; });
     s.noise.compute(covariance(run, motion, s));
     return s;
 }
 
-/// With an independent error beside those that the residuals show.
+/// Adds an independent error to the one shown by the residuals.
 Estimate with_error(const Estimate& e, double deviation) {
     const double factor = std::hypot(e.deviation, deviation) / e.deviation;
     return {.value = e.value,
@@ -203,7 +202,7 @@ Estimate with_error(const Estimate& e, double deviation) {
             .high = e.value + (e.high - e.value) * factor};
 }
 
-/// theta: J_w, the kPowers friction coefficients where a stop counts, then offset and drag of every segment.
+/// theta: J_w, the kPowers friction coefficients if a stop counts, then offset and drag of each segment.
 class Balance {
   public:
     explicit Balance(std::vector<Segment> segments) : segments_(std::move(segments)) {
@@ -298,7 +297,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
     out.inertia_kgm2 = found.estimate(0);
     VectorXd mean = VectorXd::Zero(n);
     for (std::size_t k = 0; k < kPowers; ++k) mean[1 + static_cast<Index>(k)] = 1.0 / static_cast<double>(k + 1);
-    // A radius that is off makes the flywheel's torque, and so k_b, off by the same share; no residual shows it.
+    // An error of the radius gives the same relative error of the flywheel's torque and of k_b; no residual shows it.
     const Estimate shown = found.combination(mean);
     const double mu = shown.value;
     out.friction = with_error(shown, mu * std::sqrt(radius_variance) / stops);

@@ -1,9 +1,9 @@
-/// Wheel inertia J_w and brake gain k_b from the balance of eq. (1), with the road's force taken out of it:
+/// Wheel inertia J_w and brake gain k_b from eq. (1), with the road's force eliminated:
 ///
 ///     J_w domega/dt + r m dv/dt = -k_b(v) P,      k_b(v) = G (a0 + a1 x + a2 x^2 + a3 x^3),  x = v / v_brake_on
 ///
-/// integrated from before the wheel touches the rim: spin-up shows J_w, braking k_b. Speeds are ways of the encoders over windows, m is the
-/// flywheel's, G the brake's geometry of eq. (5). The rim's drag counts while the wheel is off it.
+/// integrated from before the wheel touches the rim: the spin-up determines J_w, braking k_b. Speeds are distances by the encoders over windows; m is
+/// the flywheel's mass, G the brake's geometry of eq. (5). The rim's drag counts while the wheel is off it.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace identification {
 
 struct WheelResiduals {
     std::string recording;
-    bool braking = false;           ///< counted through the stop, else up to brake-on
+    bool braking = false;           ///< whether the stop was used; otherwise only the time up to brake-on
     std::vector<double> time_s;     ///< since brake-on
     std::vector<double> speed_mps;  ///< measured rim speed
     std::vector<double> error_mps;  ///< measured minus modelled
@@ -34,7 +34,7 @@ struct WheelFit {
     std::vector<WheelResiduals> residuals;
 };
 
-/// Touchdowns of all runs; stops of those of `friction_class`. Throws NotIdentifiable.
+/// Uses the touchdowns of all runs, and the stops of those of `friction_class`. Throws NotIdentifiable.
 [[nodiscard]] WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class);
 
 }  // namespace identification

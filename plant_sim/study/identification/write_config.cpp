@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A TOML file whose values are replaced where they stand, so that comments and order survive. Knows the form that the shipped files have:
-/// `[table]` and `key = value` on lines of their own; an array may go over lines.
+/// A TOML file whose values are replaced in place, so that comments and order are kept. It must have the form of the shipped files: `[table]` and
+/// `key = value` on separate lines; an array may have several lines.
 class EditedToml {
   public:
     explicit EditedToml(fs::path file) : file_(std::move(file)) {
@@ -23,7 +23,7 @@ class EditedToml {
         for (std::string line; std::getline(in, line);) lines_.push_back(line);
     }
 
-    /// `optional`: a key that is not there is added.
+    /// `optional`: a missing key is added.
     void set(const std::string& table, const std::string& key, const std::string& value, const std::string& note, bool optional = false) {
         const std::size_t head = header(table);
         const std::string line = fmt::format("{} = {}  # identified{}", key, value, note);
@@ -65,12 +65,12 @@ class EditedToml {
     std::vector<std::string> lines_;
 };
 
-/// One text for one pressure: the controller's full pressure must not exceed the last point of its map, not even by the rounding.
+/// The same text for the same pressure: the controller's full pressure must not exceed the last point of its map, not even by rounding.
 std::string pascals(double pressure_Pa) {
     return fmt::format("{:.7g}", pressure_Pa);
 }
 
-/// The same keys in the plant's file and in the controller's.
+/// Sets the keys that the files of plant and controller have in common.
 void set_valve(EditedToml& file, const ValveFit& v) {
     std::vector<std::string> current{fmt::format("{:.6g}", v.dead_zone_mA.value)};
     std::vector<std::string> pressure{"0.0"};

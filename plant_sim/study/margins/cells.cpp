@@ -12,7 +12,7 @@ namespace study::margins {
 
 namespace {
 
-constexpr double kUndecided_per_s = 1e-3;  // growth this slow is the limit of stability itself
+constexpr double kUndecided_per_s = 1e-3;  // slower growth counts as the limit of stability
 
 /// `slowest`: Cell::law_slowest.
 Margins law_margins(const PeriodicSystem& system, const StopConditions& scenario, Complex& slowest) {

@@ -1,5 +1,4 @@
-/// Eigenvalues and exponentials of dense matrices, by Eigen. A unit of their own: their templates take longer to compile than all that uses
-/// them.
+/// Eigenvalues and exponentials of dense matrices, by Eigen. A unit of its own, since Eigen's templates take longer to compile than their users.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +8,7 @@
 
 namespace study::margins {
 
-/// Of a square matrix, in no order. Throws std::runtime_error where the iteration does not converge.
+/// Eigenvalues of a square matrix, in no order. Throws std::runtime_error if the iteration does not converge.
 [[nodiscard]] std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix);
 [[nodiscard]] std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXcd& matrix);
 

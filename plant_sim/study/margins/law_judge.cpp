@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 
 #include "plant_sim/study/margins/law_loop.hpp"
@@ -15,15 +14,15 @@ namespace {
 using antiskid::control::Config;
 using antiskid::control::SlipConfig;
 
-constexpr double kUnstable = 1e-9;        // what does not grow either is not stable
-constexpr double kNoStops = -2.0;         // below every score of cells
-constexpr std::size_t kBeforeStops = 16;  // cells that are cheaper than the stops and end most gains
+constexpr double kUnstable = 1e-9;        // smallest growth of an unstable loop
+constexpr double kNoStops = -2.0;         // below every score by margins
+constexpr std::size_t kBeforeStops = 16;  // number of cells that are tested before the stops: they are cheaper and reject most gains
 
 struct Gain {
     const char* key;
     float SlipConfig::*in;
 };
-// One table: name and place of a gain cannot part.
+// One table for names and members, so that they cannot differ.
 constexpr std::array<Gain, 8> kGains{{
     {"k_p_per_s", &SlipConfig::k_p_per_s},
     {"k_i_per_s2", &SlipConfig::k_i_per_s2},

@@ -1,4 +1,4 @@
-/// How good gains of the shipped law are: their stops first, then their margins in every cell.
+/// Scores gains of the shipped law: first by its stops, then by its margins in every cell.
 #pragma once
 
 #include <atomic>
@@ -13,18 +13,18 @@
 
 namespace study::margins {
 
-/// What gains are worth: -2 - violation for stops that are not what is asked; -g / (1 + g), with g the fastest growth in 1/s of any cell that
-/// is unstable, closed or the controller by itself; and, where all are stable, the least margin of all cells over what is asked. No cell is
-/// left out, not even one that no controller could hold: low-speed numbers that lead there would be rewarded for it.
+/// The score: -2 - violation for stops that miss the requirement; otherwise -g / (1 + g) if some cell is unstable, closed or the controller alone,
+/// with g its fastest growth in 1/s; otherwise the smallest margin of all cells over the requirement. All cells count, also those that no controller
+/// could hold: otherwise gains whose reference at low speed leads there would be rewarded.
 class LawJudge {
   public:
-    /// All of them must outlive it. Throws std::invalid_argument where there is nothing to judge by.
+    /// All arguments must outlive it. Throws std::invalid_argument if there is nothing to judge by.
     LawJudge(const std::vector<StopConditions>& scenarios, const TrialStops& trial, const StudyOptions& options);
 
-    /// As Score of search.hpp.
+    /// See Score of search.hpp.
     [[nodiscard]] double score(const antiskid::control::Config& controller, double to_beat) const;
 
-    /// The margins alone, of every cell; `value` as in score().
+    /// Only the margins of every cell; `value` as in score().
     [[nodiscard]] WorstScore margins_of(const antiskid::control::Config& controller) const;
 
   private:
@@ -39,12 +39,13 @@ class LawJudge {
     const TrialStops& trial_;
     StudyOptions options_;
     std::vector<Place> places_;
-    /// How many gains each place has ended: those that end the most are asked first. Threads race for it: it decides on time alone.
+    /// Number of gains rejected by each place: the places with the most are tried first. Threads write it without order, which affects only the run
+    /// time.
     mutable std::vector<std::atomic<unsigned>> ended_;
 };
 
-/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, the answer's share, the three numbers of the fall at low speed. Not
-/// those of the retreat, which no margin sees; not the observer.
+/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, the answer's share, the three parameters of the fall at low speed. Not included:
+/// the parameters of the retreat, which no margin depends on, and the observer.
 [[nodiscard]] std::vector<std::string> gain_names();
 [[nodiscard]] std::vector<double> gains_of(const antiskid::control::Config& config);
 [[nodiscard]] antiskid::control::Config with_gains(antiskid::control::Config config, const std::vector<double>& values);

@@ -16,7 +16,7 @@ namespace study::margins {
 
 namespace {
 
-/// Over one period: pressure and its rate, the wheel's state of linear_wheel.hpp, the integral of the rim's slip since the period began.
+/// One period: pressure and its rate, the wheel's state of linear_wheel.hpp, the integral of the rim's slip since the beginning of the period.
 struct SampledPlant {
     Eigen::MatrixXd phi;
     Eigen::VectorXd old_input, new_input;  ///< of the command before and after the broken part of the delay
@@ -29,8 +29,7 @@ double slope(const std::vector<rig::PressureMap::Point>& points, double p) {
     return (points[i].pressure_Pa - points[i - 1].pressure_Pa) / (points[i].current_mA - points[i - 1].current_mA);
 }
 
-/// `per_pressure`: q of `wheel` per unit of pressure; `per_command`: pressure per unit of command; `broken_s`: of the delay, beyond
-/// whole periods.
+/// `per_pressure`: q of `wheel` per unit of pressure; `per_command`: pressure per unit of command; `broken_s`: the fractional part of the delay.
 SampledPlant sampled_plant(const rig::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command, double period_s,
                            double broken_s) {
     const Eigen::Index rim = 2, n = wheel.a.rows(), integral = rim + n, input = integral + 1;
@@ -49,7 +48,7 @@ SampledPlant sampled_plant(const rig::ValveParameters& valve, const LinearWheel&
             second.topLeftCorner(input, input) * first.topRightCorner(input, 1), second.topRightCorner(input, 1)};
 }
 
-/// Gain of the plant's valve over the one that the controller divides by, at a pressure.
+/// Gain of the plant's valve over the controller's, at a pressure.
 double valve_gain(const antiskid::control::ValveConfig& believed, const rig::PressureMap& map, double pressure_Pa) {
     std::vector<rig::PressureMap::Point> points;
     points.reserve(believed.points);
@@ -104,9 +103,9 @@ class Period {
         correct_offset_ = static_cast<double>(config.estimator.valve_offset_radps) * h_;
 
         const double edge_s = 2.0 * kPi * at.radius_m / (rig.wheel_encoder.teeth * (1.0 - at.slip) * at.speed_mps);
-        news_every_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(edge_s / h_)));
-        edge_age_ = news_every_ == 1 ? std::min(edge_s / h_, 1.0) / 2.0 : 0.5;
-        const double interval = static_cast<double>(news_every_) * h_;
+        reading_every_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(edge_s / h_)));
+        edge_age_ = reading_every_ == 1 ? std::min(edge_s / h_, 1.0) / 2.0 : 0.5;
+        const double interval = static_cast<double>(reading_every_) * h_;
         reading_age_ = 0.5 * (interval + h_);
         answer_ = answer_per_s.value_or(at.wheel_pole_radps(linearisation));
         believed_ = answer_ > 0.0 ? static_cast<double>(config.observer.prediction_share) * answer_ : answer_;
@@ -125,13 +124,13 @@ class Period {
 
     // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral, valve offset; commands in the
     // valve's pipe, valve state and wheel, mean slip of the rim over the last periods, newest first.
-    [[nodiscard]] Index size() const { return means_at() + static_cast<Index>(news_every_) + 1; }
-    [[nodiscard]] std::size_t news_every() const { return news_every_; }
+    [[nodiscard]] Index size() const { return means_at() + static_cast<Index>(reading_every_) + 1; }
+    [[nodiscard]] std::size_t reading_every() const { return reading_every_; }
     [[nodiscard]] Index controller_states() const { return plant_at(); }
 
     /// The command that this period's step gives; `x` moves on with `w` acting on the valve.
-    double step(VectorXd& x, double w, bool news) const {
-        const double u = control(x, news);
+    double step(VectorXd& x, double w, bool new_reading) const {
+        const double u = control(x, new_reading);
         move(x, w);
         return u;
     }
@@ -152,8 +151,7 @@ class Period {
     }
     [[nodiscard]] double acting_s(double answer) const { return answer > 0.0 ? h_ / (1.0 + answer * h_) : h_; }
 
-    /// Gains of the observer that has settled: at the equilibrium nothing moves that would show the answer, and speed and road are a linear
-    /// filter by themselves.
+    /// Gains of the settled observer: at the equilibrium nothing reveals the answer, and speed and road form a linear filter.
     struct Gains {
         double slip = 0.0, road = 0.0;
     };
@@ -171,7 +169,7 @@ class Period {
         Matrix2d p = Matrix2d::Identity();
         Vector2d gains = Vector2d::Zero();
         for (double change = 1.0; change > 1e-12;) {
-            for (std::size_t i = 0; i < news_every_; ++i) p = (moves * p * moves.transpose() + noise).eval();
+            for (std::size_t i = 0; i < reading_every_; ++i) p = (moves * p * moves.transpose() + noise).eval();
             const Vector2d seen = p * sees;
             const Vector2d next = seen / (sees.dot(seen) + variance);
             p -= next * seen.transpose();
@@ -187,10 +185,10 @@ class Period {
         return (1.0 - part_) * x[age] + part_ * x[age + 1];
     }
 
-    /// The encoder: mean slip over `news_every_` periods, up to the last edge.
+    /// The encoder: mean slip over `reading_every_` periods, up to the last edge.
     [[nodiscard]] double reading(const VectorXd& x) const {
         double sum = 0.0;
-        const auto n = static_cast<Index>(news_every_);
+        const auto n = static_cast<Index>(reading_every_);
         for (Index i = 0; i <= n; ++i) {
             const double weight = i == 0 ? 1.0 - edge_age_ : (i == n ? edge_age_ : 1.0);
             sum += weight * x[means_at() + i];
@@ -198,9 +196,9 @@ class Period {
         return sum / static_cast<double>(n);
     }
 
-    double control(VectorXd& x, bool news) const {
+    double control(VectorXd& x, bool new_reading) const {
         const Index v = valve_at();
-        if (correct_offset_ == 0.0) x[v + 5] = 0.0;  // not learnt: no state, and no integral either
+        if (correct_offset_ == 0.0) x[v + 5] = 0.0;  // not learnt: neither a state nor an integral
         const double before = x[v];
         Vector2d valve = model_.phi * x.segment<2>(v) + model_.gamma * (input(x, 0) + x[v + 5]);
         const double innovation = x[motion_at()] - valve[0];
@@ -210,7 +208,7 @@ class Period {
 
         Motion motion{x[v + 2], x[v + 3]};
         motion = moved(motion, 0.5 * (before + valve[0]), -deceleration_per_s_ * motion.slip, answer_);
-        if (news) {
+        if (new_reading) {
             const double surprise = reading(x) - (motion.slip - (motion.road + valve[0]) * reading_age_);
             motion.slip += correct_.slip * surprise;
             motion.road += correct_.road * surprise;
@@ -241,7 +239,7 @@ class Period {
         const Index p = plant_at(), m = motion_at();
         for (Index i = m - 1; i > p; --i) x[i] = x[i - 1];
         x[p] = w;
-        // The command of `pipe_` periods ago acts once the broken part of the delay has passed, until then the one before it.
+        // The command of `pipe_` periods ago acts after the fractional part of the delay, before that the previous one.
         const Index acting = p + static_cast<Index>(pipe_);
         const Index moving = 2 + wheel_states_;
         VectorXd motion(moving + 1);
@@ -254,7 +252,7 @@ class Period {
 
     antiskid::control::SlipConfig law_;
     double h_;
-    std::size_t whole_ = 0, pipe_ = 0, news_every_ = 1;
+    std::size_t whole_ = 0, pipe_ = 0, reading_every_ = 1;
     double part_ = 0.0;
     double correct_p_ = 0.0, correct_r_ = 0.0, correct_offset_ = 0.0;
     double answer_ = 0.0, believed_ = 0.0, gain_ = 0.0;
@@ -276,7 +274,7 @@ PeriodicSystem law_system(const antiskid::control::Config& config, const rig::Ri
     s.controller_states = period.controller_states();
     s.b = VectorXd::Zero(n);
     static_cast<void>(period.step(s.b, 1.0, false));
-    for (std::size_t k = 0; k < period.news_every(); ++k) {
+    for (std::size_t k = 0; k < period.reading_every(); ++k) {
         MatrixXd a = MatrixXd::Identity(n, n);
         RowVectorXd c(n);
         for (Index i = 0; i < n; ++i) {

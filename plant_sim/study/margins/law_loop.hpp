@@ -1,16 +1,16 @@
-/// The shipped law as a linear loop: what control::Estimator, control::SlipLaw and the plant do to small motions around an equilibrium.
+/// The shipped law as a linear loop: control::Estimator, control::SlipLaw and the plant for small motions around an equilibrium.
 ///
-/// Opened at the valve current, period by period, exact: the plant's wheel and valve as sampled, its delay in whole and broken periods; the
-/// controller's valve model with the commands in its pipe, its observer, its prediction over the delay, the law. An encoder whose edges are
-/// further apart than a period gives news only in every N-th, N = round(T_edge / h): the loop is periodic then, and margins() takes its N
-/// characteristic loci. Factor in front of L: an error of valve gain, brake gain (to first order) or current map.
+/// The loop is opened at the valve current and computed exactly, period by period: the sampled wheel and valve of the plant, its delay in whole and
+/// fractional periods; the controller's valve model with the commands in its delay line, its observer, its prediction over the delay, the law. If the
+/// encoder's edges are further apart than a period, there is a new reading only in every N-th, N = round(T_edge / h): the loop is periodic, and
+/// margins() uses its N characteristic loci. A gain error in front of L stands for one of valve gain, of brake gain (to first order) or of the
+/// current map.
 ///
-/// The observer is one that has settled and knows the road's answer: the rigid wheel's pole, also where the tyre gives way (what it sees
-/// below the tyre's mode). Neglected: how it learns that, and forgets it; limits
-/// of pressure, slip rate and integral, the retreat of the reference and its rate limit; the chord of friction, which counts below
-/// SlipConfig::earliest_peak_slip alone; noise, jitter and rounding; the
-/// motion of the aircraft's speed and of its estimate; changes of load, radius and k_b while the loop settles; an edge interval that
-/// is no whole number of periods (rounded) and its beat with the period; edges bound to the angle instead of time.
+/// The observer is taken as settled, with the road's answer known: the pole of the rigid wheel, also for a compliant tyre (which is what the observer
+/// sees below the tyre's mode). Neglected are: learning and forgetting of the answer; limits of pressure, slip rate and integral, the retreat of the
+/// reference and its rate limit; the chord of friction, which only matters below SlipConfig::earliest_peak_slip; noise, jitter and rounding; the
+/// change of the aircraft's speed and of its estimate; changes of load, radius and k_b while the loop settles; an edge interval that is not a whole
+/// number of periods (it is rounded) and its beat with the period; edges bound to the angle instead of time.
 #pragma once
 
 #include <optional>
@@ -21,12 +21,11 @@
 
 namespace study::margins {
 
-/// Linearised at `at`: `config` is the controller, `rig` the plant. `answer_per_s` is what the observer takes the road's answer for: the
-/// wheel's pole, unless given.
+/// Linearises controller `config` and plant `rig` at `at`. `answer_per_s`: the observer's estimate of the road's answer; none: the wheel's pole.
 [[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config, const rig::RigParameters& rig, const OperatingPoint& at,
                                         Linearisation linearisation, std::optional<double> answer_per_s = {});
 
-/// falling_reference() of slip_law.hpp.
+/// Reference in force at a speed, see falling_reference() of slip_law.hpp.
 [[nodiscard]] double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference, double speed_mps);
 
 }  // namespace study::margins

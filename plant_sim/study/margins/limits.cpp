@@ -1,6 +1,5 @@
 #include "plant_sim/study/margins/limits.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,7 +9,7 @@ namespace study::margins {
 namespace {
 
 double min_delay_s(double delay_s, double period_s) {
-    constexpr double kRounding = 1e-6;  // a period that was a float
+    constexpr double kRounding = 1e-6;  // of a period stored as float
     return period_s > 0.0 ? period_s * (1.0 + std::floor(delay_s / period_s + kRounding)) : delay_s;
 }
 
@@ -23,13 +22,6 @@ Limits limits(double wheel_pole_radps, double delay_s, double period_s) {
     l.phase_deg = 360.0 / std::numbers::pi * std::asin(1.0 / l.gamma);
     if (l.gamma > 1.0) l.gain_range_dB = 40.0 * std::log10((l.gamma + 1.0) / (l.gamma - 1.0));
     return l;
-}
-
-double fastest_pole_radps(const Requirement& requirement, double delay_s, double period_s) {
-    const double by_phase = 1.0 / std::sin(requirement.phase_deg * std::numbers::pi / 360.0);
-    const double ratio = std::pow(10.0, requirement.gain_dB / 20.0);
-    const double by_gain = (ratio + 1.0) / (ratio - 1.0);
-    return std::log(std::min(by_phase, by_gain)) / min_delay_s(delay_s, period_s);
 }
 
 double creep_margin_dB(double wheel_pole_radps, double k_answer, double k_p_per_s) {

@@ -1,6 +1,5 @@
 #include "plant_sim/study/margins/linear_wheel.hpp"
 
-#include <algorithm>
 #include <numbers>
 
 #include "plant_sim/study/margins/dense.hpp"
@@ -28,10 +27,10 @@ LinearWheel linear_wheel(const OperatingPoint& at, Linearisation linearisation) 
     const bool swings = ring.belt_share > 0.0, relaxes = at.relaxation_m > 0.0;
     if (!swings && !relaxes) return {.a = Eigen::MatrixXd::Constant(1, 1, -at.wheel_pole_radps(linearisation)), .gain = 1.0};
     const Eigen::Index belt = swings ? 1 : 0, twist = 2, tread = swings ? 3 : 1;
-    const Eigen::Index slips = relaxes ? tread : belt;  // whose slip makes the road's force
+    const Eigen::Index slips = relaxes ? tread : belt;  // state whose slip determines the road's force
     LinearWheel w{.a = Eigen::MatrixXd::Zero(tread + (relaxes ? 1 : 0), tread + (relaxes ? 1 : 0)), .gain = 1.0 / (1.0 - ring.belt_share)};
 
-    // The road's force moves the wheel or its belt, and slows the aircraft down.
+    // The road's force acts on the wheel or its belt, and decelerates the aircraft.
     const double per_slip = at.load_N * at.mu_1 / (at.mass_kg * at.speed_mps);
     const double on_wheel = per_slip * at.mass_kg * at.radius_m * at.radius_m / at.inertia_kgm2;
     const double aircraft = linearisation == Linearisation::full ? at.load_N * at.mu / (at.mass_kg * at.speed_mps) : 0.0;
@@ -41,7 +40,7 @@ LinearWheel linear_wheel(const OperatingPoint& at, Linearisation linearisation) 
         w.a(i, i) += aircraft;
     }
     if (swings) {
-        // What the carcass does to the rim, and, the other way about, to the belt: in proportion to the other's inertia.
+        // The carcass acts on rim and belt with opposite torques; accelerations are inversely proportional to the inertias.
         const double own = 2.0 * std::numbers::pi * ring.frequency_Hz;
         const Eigen::RowVector3d pull{-2.0 * ring.damping * own, 2.0 * ring.damping * own, own};
         w.a.row(0).head<3>() += ring.belt_share * pull;

@@ -1,5 +1,5 @@
-/// The wheel of one operating point, linearised: how the slip of its rim, which carries brake and encoder, answers brake torque on the
-/// paper's tyre, on a ring or on one that relaxes (compliance.hpp).
+/// The linearised wheel at an operating point: response of the slip of its rim, which carries brake and encoder, to brake torque, for the paper's
+/// tyre, a ring tyre or one that relaxes (compliance.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -12,19 +12,19 @@
 
 namespace study::margins {
 
-/// x' = a x + b q, with x[0] the rim's slip, 1 - omega r / v, and q the slip rate that the brake's torque would cause on a rigid wheel in
-/// the air, r k_b P / (J v). Torque reaches the rim alone: b is zero but for its first element.
+/// x' = a x + b q. x[0] is the rim's slip, 1 - omega r / v; q is the slip rate that the brake's torque would cause on a rigid wheel in the air, r k_b
+/// P / (J v). Torque acts only on the rim: all elements of b but the first are zero.
 ///
-/// Behind the rim's slip come, where the tyre has them: the belt's slip and the carcass's twist, as slip times the ring's own frequency;
-/// the tread's slip. As in Linearisation v, F_z, r and k_b are frozen. A leg is taken for rigid.
+/// If the tyre has them, the further states are: the belt's slip and the carcass's twist, as slip times the ring's natural frequency; the tread's
+/// slip. As in Linearisation v, F_z, r and k_b are frozen. The leg is taken as rigid.
 struct LinearWheel {
     Eigen::MatrixXd a;
-    double gain = 1.0;  ///< b[0]: 1, or what torque does to a rim alone
+    double gain = 1.0;  ///< b[0]: 1, or the effect of torque on a rim alone
 
     [[nodiscard]] std::vector<Complex> poles() const;
-    /// Of the way from q to the rim's slip: what would move behind a rim that is held.
+    /// Zeros of the transfer from q to the rim's slip: the motion behind a rim that is held.
     [[nodiscard]] std::vector<Complex> zeros() const;
-    /// The swing that grows fastest (real part, 1/s; imaginary part, rad/s, above zero); none where nothing swings.
+    /// The oscillation with the fastest growth (real part, 1/s; imaginary part, rad/s, positive); none: no oscillation.
     [[nodiscard]] std::optional<Complex> swing() const;
 };
 

@@ -10,7 +10,7 @@ namespace study::margins {
 
 namespace {
 
-/// A bound on |L(j w)| that falls with w beyond every pole.
+/// An upper bound of |L(j w)| that decreases with w beyond all poles.
 double bound(double gain, const std::vector<Complex>& zeros, const std::vector<Complex>& poles, double w) {
     double b = std::abs(gain);
     for (const Complex& z : zeros) b *= w + std::abs(z);

@@ -19,7 +19,7 @@ struct Point {
     std::vector<Complex> loci;
 };
 
-/// `loci` in the order that follows `before` most closely.
+/// Orders `loci` by their distance to `before`.
 void follow(const std::vector<Complex>& before, std::vector<Complex>& loci) {
     for (std::size_t i = 0; i + 1 < loci.size(); ++i) {
         std::size_t nearest = i;
@@ -45,12 +45,12 @@ double wrapped_deg(double radians) {
     return std::remainder(radians, 2.0 * std::numbers::pi) * 180.0 / std::numbers::pi;
 }
 
-/// Collects what the walk finds.
+/// Collects the results along the axis.
 class Survey {
   public:
     explicit Survey(const Loop& loop) : loop_(loop) {}
 
-    /// A locus that is real at an end of the contour: no sign changes there.
+    /// A locus that is real at an end of the contour does not change its sign there.
     void end(const Point& p, double frequency) {
         for (const Complex& l : p.loci)
             if (l.real() < 0.0 && std::abs(l.imag()) <= kReal * std::abs(l)) real_axis(l, frequency);
@@ -73,7 +73,7 @@ class Survey {
         }
     }
 
-    /// From the loop's end to infinity, where L is 0: inside the unit circle, on the shortest way.
+    /// From the loop's end to infinity, where L is 0: inside the unit circle, by the shortest path.
     void close(const Point& last) {
         for (const Complex& l : last.loci)
             if (std::abs(l.imag()) > kReal * std::abs(l)) turn_ -= std::arg(1.0 + l);
@@ -142,7 +142,7 @@ class Survey {
     double crossover_ = kNone, upward_ = kNone, downward_ = kNone;
 };
 
-/// The loci at s = 0, halfway between both sides of the indent; none where they lie far apart, at an integrator.
+/// The loci at s = 0, halfway between both sides of the indent; none if they are far apart because of an integrator.
 Point at_rest(const Loop& loop, const Point& right) {
     const Point left = point(loop, -right.s, right);
     Point middle{0.0, {}};
@@ -153,7 +153,7 @@ Point at_rest(const Loop& loop, const Point& right) {
     return middle;
 }
 
-/// Whether the way from `a` to `to` is short enough to know how often it turns around -1.
+/// Whether the step from `a` to `to` is short enough to determine the rotation around -1.
 bool sure(const Loop& loop, const Point& a, Complex to) {
     return loop.max_approach(a.s, to, a.loci) < 0.5;
 }
@@ -192,7 +192,7 @@ Margins margins(const Loop& loop, double ratio) {
         if (!sure(loop, here, {0.0, next})) {
             share *= 0.5;
             if (share * (ratio - 1.0) < kShortest) {
-                // No way around -1 is short enough from a point that lies on it: the limit of stability itself.
+                // No step from a point on -1 is short enough: this is the limit of stability.
                 Margins m;
                 m.unstable_poles = loop.unstable_poles();
                 m.unstable_closed = 1;

@@ -1,4 +1,4 @@
-/// What the verbs `margins` and `tune` go over: all surfaces and maneuvers of one configuration.
+/// Inputs of the verbs `margins` and `tune`: all surfaces and maneuvers of one configuration.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 namespace study::margins {
 
 struct MarginsInput {
-    MarginsSettings settings;                      ///< of margins.toml
+    MarginsSettings settings;                      ///< from margins.toml
     std::vector<plant_sim::StopInputs> scenarios;  ///< surface by surface
-    std::vector<StopConditions> cases;             ///< the same, as the study takes them
-    std::string config_hash;                       ///< plant, controller and margins.toml
+    std::vector<StopConditions> cases;             ///< the same, as the study uses them
+    std::string config_hash;                       ///< of plant, controller and margins.toml
 };
 
-/// Throws settings::Error. `options` names the directory, and what is the same for all.
+/// Throws settings::Error. `options`: the directory, and the options common to all scenarios.
 [[nodiscard]] MarginsInput load_margins_input(const plant_sim::StopOptions& options);
 
 }  // namespace study::margins

@@ -22,7 +22,7 @@ namespace {
 using settings::Json;
 
 Json to_json(const Margins& m) {
-    // Not-a-number and infinity become null.
+    // NaN and infinity become null.
     return {{"stable", m.stable},
             {"unstable_open_loop_poles", m.unstable_poles},
             {"encirclements", m.encirclements},
@@ -39,7 +39,7 @@ Json to_json(const BothMargins& m) {
     return {{"printed", to_json(m.printed)}, {"full", to_json(m.full)}};
 }
 
-/// The worst of one loop over the speeds of a scenario.
+/// The worst margins of one loop over the speeds of a scenario.
 class Worst {
   public:
     void add(const Margins& m, double speed_mps) {
@@ -51,7 +51,7 @@ class Worst {
         take(up_, m.gain_up_dB, speed_mps);
         take(down_, m.gain_down_dB, speed_mps);
     }
-    /// Three columns.
+    /// Adds three columns.
     void add_to(settings::TextTable& table) const {
         table.add(unstable_below_ > 0.0 ? fmt::format("unstable from {:.0f} m/s", unstable_below_) : one(phase_), one(up_), one(down_));
     }
@@ -69,7 +69,7 @@ class Worst {
     double unstable_below_ = 0.0;
 };
 
-/// The fastest speed of a scenario at which `bad` holds, with how many; "-" where it never does.
+/// Fastest speed of a scenario at which `bad` holds, and the number of such speeds; "-" if there is none.
 template <typename Bad>
 std::string from_speed(const std::vector<Cell>& cells, std::size_t scenario, const Bad& bad) {
     double fastest = 0.0;

@@ -1,4 +1,4 @@
-/// The margins as a table for the screen, as JSON and as pictures.
+/// Margins as a table, as JSON and as pictures.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@
 
 namespace study::margins {
 
-/// What a result file says about itself.
+/// Head of a result file.
 struct ReportHead {
     std::string config_hash;
     std::string version;
     StudyOptions options;
     Pid pid;
-    std::string tyre = "static";  ///< or the ring tyre it is compared on
+    std::string tyre = "static";  ///< or the ring tyre of the comparison
 };
 
-/// As compliance.hpp has it, "static" where nothing gives way.
+/// Name as in compliance.hpp; "static" for a tyre without compliance.
 [[nodiscard]] std::string tyre_name(const rig::Compliance& tyre);
 
-/// Markdown, one row a scenario: the worst margins over its speeds and where, full linearisation; then what is infeasible.
+/// Markdown with one row per scenario: the worst margins over its speeds and their speed, full linearisation; then the infeasible cells.
 [[nodiscard]] std::string to_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head);
-/// Every cell. Margins of an unstable loop and margins that nothing limits are null.
+/// Every cell. Margins of an unstable loop, and unlimited margins, are null.
 [[nodiscard]] std::string to_json(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head);
 
 /// Fig. 11: L(s) = G(s) A(s) of all scenarios at `speed_mps`, magnitude and phase, overview and enlargement.

@@ -16,15 +16,15 @@ namespace study::margins {
 
 /// The search for gains of the slip law.
 struct LawSearch {
-    SearchOptions options;  ///< but threads
-    double min_gain = 0.0;  ///< of its last part, climb()
+    SearchOptions options;  ///< without threads
+    double min_gain = 0.0;  ///< of the last part, climb()
     StopsRequirement stops;
-    double surface_loss = 0.0;                                      ///< of mean J_mu against the threshold law's, on any surface
-    double worn_friction = 0.0;                                     ///< of the brake in further stops, whose tracking counts
-    std::vector<double> worn_references;                            ///< of these
+    double surface_loss = 0.0;                                      ///< largest loss of mean J_mu against the threshold law on any surface
+    double worn_friction = 0.0;                                     ///< friction of the worn brake in further stops, which are judged by tracking
+    std::vector<double> worn_references;                            ///< of the stops with the worn brake
     std::uint64_t drawn_seed = 1;                                   ///< of further stops on drawn plants (study/robust)
-    std::size_t draws = 0;                                          ///< so many of each family
-    std::vector<std::pair<robust::Family, double>> min_drawn_j_mu;  ///< mean of each family
+    std::size_t draws = 0;                                          ///< number of each family
+    std::vector<std::pair<robust::Family, double>> min_drawn_j_mu;  ///< required mean of each family
     std::vector<Parameter> parameters;                              ///< in the order of gain_names()
 };
 

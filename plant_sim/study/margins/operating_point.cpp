@@ -31,7 +31,7 @@ OperatingPoint operating_point(const rig::RigParameters& rig, double speed_mps, 
     if (const rig::RelaxationParameters& relaxation = rig.wheel.compliance.relaxation; relaxation.length_m > 0.0)
         p.relaxation_m = std::max(relaxation.length_m * f.mu_1 / rig::friction(rig.surface, 0.0).mu_1, relaxation.floor_m);
     p.deceleration_mps2 = p.load_N * f.mu / p.mass_kg;
-    // At constant slip the wheel slows down with the aircraft, eq. (3): the brake takes its spin, too.
+    // At constant slip the wheel decelerates with the aircraft, eq. (3); the brake takes its kinetic energy, too.
     const double wheel_radps2 = (1.0 - slip) / p.radius_m * p.deceleration_mps2;
     p.pressure_Pa = (p.radius_m * p.load_N * f.mu + p.inertia_kgm2 * wheel_radps2) / p.brake_gain_m3;
     return p;

@@ -18,7 +18,7 @@ std::vector<Complex> roots(double a, double b, double c) {
     }
     const Complex d = std::sqrt(Complex(b * b - 4.0 * a * c));
     if (d.imag() != 0.0) return {(-b + d) / (2.0 * a), (-b - d) / (2.0 * a)};
-    // The root of larger magnitude first: the other one from their product, without cancellation.
+    // The root of larger magnitude first; the other from their product, without cancellation.
     const double q = -0.5 * (b + std::copysign(d.real(), b));
     if (q == 0.0) return {Complex(0.0), Complex(0.0)};
     return {Complex(q / a), Complex(c / q)};
@@ -29,7 +29,7 @@ std::vector<Complex> valve_poles(const rig::ValveParameters& valve) {
     return roots(1.0, 2.0 * valve.damping * w, w * w);
 }
 
-/// The wheel's answer to a slip rate that the brake asks for: gain prod(s - z) / prod(s - p).
+/// Transfer function from the brake's slip rate to slip: gain prod(s - z) / prod(s - p).
 struct Wheel {
     double gain;
     std::vector<Complex> zeros, poles;

@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
-constexpr double kGone = 1e-9;  // an eigenvalue this small is a pipe that has run empty
+constexpr double kGone = 1e-9;  // a smaller eigenvalue belongs to a delay line that has emptied
 
 /// Solves (z I - H) X = B for upper Hessenberg H.
 MatrixXcd solve_hessenberg(const MatrixXd& h, Complex z, const MatrixXd& b) {
@@ -30,7 +30,7 @@ MatrixXcd solve_hessenberg(const MatrixXd& h, Complex z, const MatrixXd& b) {
             m.row(i).tail(n - i).swap(m.row(i + 1).tail(n - i));
             x.row(i).swap(x.row(i + 1));
         }
-        if (m(i, i) == 0.0) continue;  // the whole column is zero: z is a pole, and the division below says so
+        if (m(i, i) == 0.0) continue;  // the whole column is zero: z is a pole, and the division below gives infinity
         const Complex f = m(i + 1, i) / m(i, i);
         if (f == 0.0) continue;
         m.row(i + 1).tail(n - i) -= f * m.row(i).tail(n - i);
@@ -40,7 +40,7 @@ MatrixXcd solve_hessenberg(const MatrixXd& h, Complex z, const MatrixXd& b) {
     return x;
 }
 
-/// As growth rate and frequency, the most unstable first; pipes that have run empty are left out.
+/// As growth rate and frequency, the most unstable first, without those of empty delay lines.
 std::vector<Complex> rates(const MatrixXd& monodromy, double h) {
     std::vector<Complex> s;
     const std::vector<Complex> values = eigenvalues(monodromy);
@@ -102,7 +102,7 @@ void SampledLoop::at(Complex s, std::vector<Complex>& loci) const {
 }
 
 double SampledLoop::max_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {
-    // Beyond the nearest pole of L a resonance may lie that neither the half way nor the end shows.
+    // Beyond the nearest pole of L there may be a resonance that is visible neither half-way nor at the end.
     const double reach = std::abs(to - from);
     for (const Complex& pole : poles_)
         if (reach > std::abs(from - pole)) return std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-/// A loop that a controller closes once a period, with a sensor that has news only in every N-th: linear and periodic.
+/// A linear periodic loop: a controller that acts once a period, and a sensor with a new reading only in every N-th.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,32 +7,32 @@
 
 namespace study::margins {
 
-/// x(k+1) = A(k) x(k) + B w(k), u(k) = C(k) x(k), of period N in k; closed by w = u. Opened for L = -(transfer from w to u).
+/// x(k+1) = A(k) x(k) + B w(k), u(k) = C(k) x(k), with period N in k; closed by w = u, opened for L = -(transfer from w to u).
 struct PeriodicSystem {
-    std::vector<Eigen::MatrixXd> a;  ///< N of them, as many as `c`
+    std::vector<Eigen::MatrixXd> a;  ///< N matrices, as many as `c`
     Eigen::VectorXd b;
     std::vector<Eigen::RowVectorXd> c;
     double period_s = 0.0;
-    Eigen::Index controller_states = 0;  ///< the first of x: what the controller remembers
+    Eigen::Index controller_states = 0;  ///< number of the controller's states, which are first in x
 };
 
 class SampledLoop final : public Loop {
   public:
-    /// Throws std::invalid_argument where sizes do not fit.
+    /// Throws std::invalid_argument if sizes do not match.
     explicit SampledLoop(const PeriodicSystem& system);
 
     void at(Complex s, std::vector<Complex>& loci) const override;
     [[nodiscard]] int unstable_poles() const override { return unstable_poles_; }
     [[nodiscard]] double end_radps() const override;
-    /// By what the loci do half the way and the whole way, doubled, on ways no longer than to L's nearest pole: no bound, but the count is checked
-    /// against the eigenvalues of the closed loop wherever it is used.
+    /// From the loci half-way and at `to`, doubled, for steps not longer than the distance to L's nearest pole. This is no strict bound; wherever it
+    /// is used, the count is checked against the eigenvalues of the closed loop.
     [[nodiscard]] double max_approach(Complex from, Complex to, const std::vector<Complex>& loci) const override;
 
-    /// The answer at the frequency of the question, of a sine w(k) = e^{j w k h}: what a frequency analyser measures of L.
+    /// Response to a sine w(k) = e^{j w k h} at its own frequency: L as a frequency analyser measures it.
     [[nodiscard]] Complex response(double frequency_radps) const;
 
-    /// Closed-loop poles with the loop's gain times `gain`, as growth rates 1/s (real part) and frequencies rad/s, the most
-    /// unstable first: from the monodromy matrix, without Nyquist.
+    /// Closed-loop poles for the loop's gain times `gain`, as growth rates 1/s (real part) and frequencies rad/s, the most unstable first; from the
+    /// monodromy matrix, without Nyquist.
     [[nodiscard]] std::vector<Complex> closed_poles(double gain = 1.0) const;
     [[nodiscard]] std::size_t loci() const { return system_.a.size(); }
 
@@ -41,15 +41,15 @@ class SampledLoop final : public Loop {
 
     PeriodicSystem system_;
     Eigen::MatrixXd hessenberg_, into_, out_, through_;  // of the system lifted over its N periods
-    std::vector<Complex> poles_;                         // of the same
+    std::vector<Complex> poles_;                         // of the lifted system
     int unstable_poles_ = 0;
 };
 
-/// Fastest growth, 1/s, of the controller by itself, its sensors held: eigenvalues of its own part of A(k), which no state of the plant enters
-/// then. A law that grows may be stable in the closed loop all the same, but only as long as its commands come back to it: at a limit of the
-/// valve, or fed with a recording, it runs away.
+/// Fastest growth, 1/s, of the controller alone with constant sensor values: eigenvalues of its part of A(k), which then depends on no state of the
+/// plant. A law that grows may be stable in the closed loop, but it runs away when its commands have no effect: at a limit of the valve, or when it
+/// is fed with a recording.
 [[nodiscard]] double controller_growth_per_s(const PeriodicSystem& system);
-/// A controller that grows no faster is stable by itself: those are its integrals, of slip and of the valve's offset.
+/// A controller that grows no faster counts as stable: these are its integrals, of slip and of the valve's offset.
 inline constexpr double kIntegrates_per_s = 0.1;
 
 }  // namespace study::margins

@@ -23,7 +23,7 @@ std::size_t index(rig::Random& random, std::size_t count) {
     return std::min(static_cast<std::size_t>(uniform(random) * static_cast<double>(count)), count - 1);
 }
 
-/// The last digit's worth.
+/// Value of one unit of the last digit.
 double last_place(double value, int digits) {
     return std::pow(10.0, std::floor(std::log10(value) + 1e-12) - digits + 1);
 }
@@ -62,7 +62,7 @@ class Jury {
 
 double rounded(double value, int digits) {
     const double place = last_place(value, digits);
-    // Divided by a whole number where the place is below 1: 4.31e-3 is then the double that the text "0.00431" is.
+    // Divides by a whole number if the digit's value is below 1: 4.31e-3 is then the double of the text "0.00431".
     return place < 1.0 ? std::round(value / place) / std::round(1.0 / place) : std::round(value / place) * place;
 }
 

@@ -9,7 +9,7 @@ namespace study::margins {
 
 namespace {
 
-/// With stops that are not made yet taken as perfect.
+/// Counts stops that have not been made as perfect.
 void judge(StopsShown& shown, const TrialStops& trial, const std::vector<double>& j_mu) {
     const std::size_t groups = trial.groups.size();
     std::vector<double> sum(groups, 0.0), count(groups, 0.0);

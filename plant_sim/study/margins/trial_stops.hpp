@@ -1,4 +1,4 @@
-/// What gains must show in closed-loop stops before their margins count.
+/// Requirements that closed-loop stops must meet before margins count.
 #pragma once
 
 #include <optional>
@@ -13,25 +13,25 @@
 namespace study::margins {
 
 struct StopsRequirement {
-    double mean_j_mu = 0.0;       ///< of all stops on surfaces whose friction counts, at least
-    double longest_lock_s = 0.0;  ///< of any of those on surfaces, at most
-    double tracked_share = 0.0;   ///< of each of them, at least: StopFigures::tracked_share
+    double mean_j_mu = 0.0;       ///< smallest mean of all stops on surfaces whose friction counts
+    double longest_lock_s = 0.0;  ///< longest lock in any stop on surfaces
+    double tracked_share = 0.0;   ///< smallest StopFigures::tracked_share of any of these stops
 };
 
 struct TrialStop {
     std::size_t group = 0;  ///< index of TrialStops::groups
     rig::RigParameters rig;
     SessionOptions session;
-    bool friction_counts = true;  ///< its J_mu is one of those that are asked for; otherwise locks, tracking and faults alone count
+    bool friction_counts = true;  ///< whether its J_mu counts; otherwise only locks, tracking and faults do
 };
 
 struct TrialStops {
     const antiskid::can::Layout* layout = nullptr;
     std::vector<std::string> groups;  ///< surfaces first, then families of drawn plants
-    std::size_t surfaces = 0;         ///< so many of them
+    std::size_t surfaces = 0;         ///< number of surfaces in `groups`
     std::vector<TrialStop> stops;
-    std::size_t first = 0;         ///< so many of them, from the front, decide whether the others are made at all
-    std::vector<double> min_j_mu;  ///< of each group, its mean
+    std::size_t first = 0;         ///< number of stops, from the front, that are made first; the others are made only if these suffice
+    std::vector<double> min_j_mu;  ///< required mean of each group
     StopsRequirement requirement;
 };
 
@@ -39,16 +39,16 @@ struct StopsShown {
     double mean_j_mu = 0.0;
     std::vector<double> group_j_mu;  ///< means
     double longest_lock_s = 0.0;
-    std::optional<double> min_tracked;  ///< of the stops whose tracking was measured
+    std::optional<double> min_tracked;  ///< of the stops with measured tracking
     bool faults = false;
-    bool whole = false;  ///< all stops were made
-    /// How far it is from what is asked: what is missing of friction (mean, and each group's share of it) and tracking, locks in s beyond
-    /// those that are allowed, and 1 for faults. 0: nothing is missing. Of stops not made, the least that can come out. With
-    /// tracking asked for and none measured, all of it is missing.
+    bool whole = false;  ///< whether all stops were made
+    /// Distance from the requirement: missing friction (of the mean, and of each group relative to its requirement), missing tracking, locks in s
+    /// beyond the allowed, and 1 for faults; 0: the requirement is met. Stops that were not made count with their best possible result. If tracking
+    /// is required but was not measured, all of it is missing.
     double violation = 0.0;
 };
 
-/// Makes the stops until `violation` is above `max_violation`, or all of them.
+/// Makes the stops until `violation` exceeds `max_violation`, or all of them.
 [[nodiscard]] StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller, double max_violation);
 
 }  // namespace study::margins

@@ -1,7 +1,6 @@
 #include "plant_sim/study/margins/tune.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "plant_sim/study/margins/law_loop.hpp"
 

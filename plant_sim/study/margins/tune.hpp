@@ -1,4 +1,4 @@
-/// Gains by their margins: what `rig-lab tune` maximises.
+/// Scores gains by their margins, for `rig-lab tune`.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace study::margins {
 
-/// How much of what is asked a loop has: the least of phase margin, upward and downward gain margin, each over the requirement; below zero
-/// where the loop is unstable. 1 and more meets it.
+/// The smallest of phase margin, upward and downward gain margin, each relative to the requirement; 1 or more meets it. Negative if the loop is
+/// unstable.
 [[nodiscard]] double score(const Margins& margins, const Requirement& requirement);
 
-/// Score of a loop over all cells that `Limits` allow. Where some are unstable: minus their share; else the least.
+/// Score of a loop over all cells for which `Limits` allow the requirement. If some are unstable: minus their share; otherwise the smallest score.
 struct WorstScore {
     double value = 0.0;
     int unstable = 0;
@@ -20,10 +20,10 @@ struct WorstScore {
     int counted = 0;
 };
 
-/// Step of the walk along the axis that is good enough here: the margins stay exact, what is found between steps is not near -1.
+/// Ratio of the steps along the axis for tuning. Margins stay exact; a coarser grid only misses points far from -1.
 inline constexpr double kCoarseWalk = 1.2;
 
-/// Operating points of a study, without their margins: what tuning goes over again and again.
+/// Operating point of a study, without its margins, for repeated use while tuning.
 struct TuningCell {
     std::size_t scenario = 0;
     OperatingPoint at;
@@ -33,7 +33,7 @@ struct TuningCell {
 
 [[nodiscard]] WorstScore pid_score(const Pid& pid, const std::vector<StopConditions>& scenarios, const std::vector<TuningCell>& cells,
                                    const Requirement& requirement);
-/// k_p, k_i, k_d and the schedule's power, within the bounds that docs/engineering/margins.md states; the filter stays.
+/// k_p, k_i, k_d and the schedule's exponent, within the bounds of docs/engineering/margins.md; the filter is not tuned.
 [[nodiscard]] std::vector<Parameter> pid_parameters(const Pid& start);
 [[nodiscard]] Pid with(Pid pid, const std::vector<double>& values);
 

@@ -1,4 +1,4 @@
-/// The page's own files, out of this room.
+/// Style sheet and script of the report's page, from the files of this folder.
 #pragma once
 
 namespace paper {

@@ -1,4 +1,4 @@
-/// What a command printed, as HTML: tables of Markdown (lines that begin with |) become tables, all else stays as it stands.
+/// Converts a command's output to HTML: Markdown tables (lines that begin with |) become tables, all else stays preformatted.
 #pragma once
 
 #include <string>

@@ -54,7 +54,7 @@ std::string if_there(const fs::path& file) {
     return fs::exists(file) ? bytes_of(file) : "";
 }
 
-/// The picture, and what a chart is drawn from, or a table to take away.
+/// The picture with the data of its chart, or with a table for download.
 std::string figure(const Picture& picture, const SectionResult& result) {
     const fs::path file = result.directory / picture.file;
     std::string name = result.section->id + "-" + fs::path(picture.file).replace_extension().string();
@@ -67,7 +67,7 @@ std::string figure(const Picture& picture, const SectionResult& result) {
         parts = fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/svg+xml;base64,{}\">\n", escaped(picture.caption),
                             svg_size(svg, "width"), svg_size(svg, "height"), base64(svg));
         std::string charts = if_there(fs::path(file).replace_extension(".charts.json"));
-        // Nothing in it may end the element that it is in.
+        // Its text must not end the element.
         for (std::size_t at = charts.find('<'); at != std::string::npos; at = charts.find('<', at)) charts.replace(at, 1, "\\u003c");
         if (!charts.empty()) parts += "<script type=\"application/json\">" + charts + "</script>\n";
         const std::string table = charts.empty() ? if_there(fs::path(file).replace_extension(".csv")) : "";
@@ -81,7 +81,7 @@ std::string figure(const Picture& picture, const SectionResult& result) {
                        escaped(picture.caption), link, escaped(result.commands[picture.command].line));
 }
 
-/// Charts in the page, for those who look at it on a screen.
+/// Charts for viewing the page on a screen.
 std::string scripts(const fs::path& library) {
     std::string out;
     for (const char* file : {"dygraph.min.js", "extras/synchronizer.js"}) {
@@ -93,7 +93,7 @@ std::string scripts(const fs::path& library) {
            kReportJs + "</script>\n";
 }
 
-/// What the section's commands answered, where that is not yes.
+/// The result of the section's commands, if it is not positive.
 std::string verdict(const SectionResult& result) {
     std::string out;
     for (const CommandResult& c : result.commands) {
@@ -163,7 +163,7 @@ std::string section_html(const SectionResult& result, const std::vector<Compared
     return out + "</section>\n";
 }
 
-/// The text of a result file, or a configuration file as if it were one.
+/// Text of a result file; a configuration file is converted to JSON.
 std::string json_in(std::string_view file, const fs::path& directory, const fs::path& config) {
     constexpr std::string_view kConfig = "{config}/";
     const fs::path path = file.starts_with(kConfig) ? config / file.substr(kConfig.size()) : directory / file;
@@ -174,7 +174,7 @@ std::string json_in(std::string_view file, const fs::path& directory, const fs::
     return json.str();
 }
 
-/// The element that `step` names, "name", "12" or "name[key=value]" without its name.
+/// The element of `at` named by `step`: "name", "12", or "name[key=value]" without the name.
 const Json& element(const Json& at, const std::string& step, std::string_view path) {
     const auto missing = [&]() -> const Json& { throw std::runtime_error(fmt::format("nothing at {} (no '{}')", path, step)); };
     if (at.is_array()) {
@@ -257,7 +257,7 @@ std::string base64(std::string_view bytes) {
 }
 
 std::string escaped(std::string_view text) {
-    // nlohmann's replacing of what is no UTF-8, and then the five characters of HTML.
+    // nlohmann's replacement of invalid UTF-8, then the five characters of HTML.
     const std::string quoted = Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace);
     const std::string clean = settings::parse_json(quoted).get<std::string>();
     std::string out;
@@ -303,7 +303,7 @@ std::string to_html(const Contents& contents, const std::vector<SectionResult>& 
                             "values. Of long series each of 300 parts keeps its first, last, least and greatest value.</p>\n";
     out += paragraphs(contents.text) + "<nav><ol>\n";
     for (const SectionResult& r : results) {
-        const char* state = r.failed() ? " (failed)" : r.answered_yes() ? "" : " (answers no)";
+        const char* state = r.failed() ? " (failed)" : r.passed() ? "" : " (answers no)";
         fmt::format_to(std::back_inserter(out), "<li><a href=\"#{}\">{}</a>{}</li>\n", r.section->id, escaped(r.section->title), state);
     }
     out += "</ol></nav>\n";

@@ -1,4 +1,4 @@
-/// The report as one HTML page that needs nothing else: pictures, data and scripts in it, nothing fetched. Reads on paper.
+/// The report as one self-contained HTML page, with pictures, data and scripts embedded. It can be printed.
 #pragma once
 
 #include <filesystem>
@@ -13,28 +13,28 @@
 
 namespace paper {
 
-/// What a comparison came to.
+/// Result of a comparison.
 struct Compared {
     const Comparison* what = nullptr;
-    std::optional<double> ours;  ///< none: not to be had
-    std::string why;             ///< where it is not
+    std::optional<double> ours;  ///< none: not available
+    std::string why;             ///< reason, if it is not
 };
 
-/// The number in a JSON text at `path`: "/measured/torque_Nm/mean", "/rows/2/mean" (from 0), "/references[reference=0.24]/mean" (the first
-/// element of an array whose member is that number, to 1e-9, or that text), "/components/#" (how many an array has). Throws
-/// std::runtime_error saying what is not there.
+/// The number at `path` in a JSON text: "/measured/torque_Nm/mean", "/rows/2/mean" (from 0), "/references[reference=0.24]/mean" (the first element of
+/// an array with a member of that value, to 1e-9, or of that text), "/components/#" (the size of an array). Throws std::runtime_error naming what is
+/// missing.
 [[nodiscard]] double value_at(std::string_view json, std::string_view path);
 
-/// In the order of the contents.
+/// Results in the order of the contents.
 [[nodiscard]] std::vector<Compared> compared(const std::vector<SectionResult>& results,
                                              const std::filesystem::path& config = settings::config_directory());
 
 struct PageHead {
     std::string version;
     std::string config_hash;
-    std::string command;  ///< that made the page
+    std::string command;  ///< that makes the page
     bool quick = false;
-    std::filesystem::path charts_library = rig::panel::kChartsLibrary;  ///< without it the page has pictures alone
+    std::filesystem::path charts_library = rig::panel::kChartsLibrary;  ///< if it is missing, the page has only pictures
 };
 
 [[nodiscard]] std::string to_html(const Contents& contents, const std::vector<SectionResult>& results, const std::vector<Compared>& rows,
@@ -43,7 +43,7 @@ struct PageHead {
 
 /// RFC 4648.
 [[nodiscard]] std::string base64(std::string_view bytes);
-/// Safe as HTML text and in attributes; bytes that are no UTF-8 become U+FFFD.
+/// Escapes text for HTML and its attributes; bytes that are not UTF-8 become U+FFFD.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 }  // namespace paper

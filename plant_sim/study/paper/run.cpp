@@ -22,14 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNotFound = 127;  // as a shell says it
+constexpr int kNotFound = 127;  // as in a shell
 
 void replace_all(std::string& text, const std::string& what, const std::string& by) {
     for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) text.replace(at, what.size(), by);
 }
 
-/// Places are filled in word by word, so that a path with spaces stays one word. `--config {config}` is left out where that is every
-/// program's default.
+/// Fills in the places of each word, so that a path with spaces stays one word. `--config {config}` is left out if it is every program's default.
 std::vector<std::string> words_of(const std::string& line, const fs::path& here, const RunOptions& options) {
     std::vector<std::string> words;
     std::istringstream in(line);
@@ -117,7 +116,7 @@ void run_section(SectionResult& result, const RunOptions& options) {
     }
 }
 
-/// Sections that wait for another, by threads.
+/// Sections that wait for another one, for several threads.
 class Queue {
   public:
     Queue(std::vector<SectionResult>& results, const RunOptions& options)
@@ -151,7 +150,7 @@ class Queue {
         changed_.notify_all();
     }
 
-    /// The first that may run; sections that never can are done on the way. The number of sections: none now.
+    /// Index of the first section that can run, or the number of sections if none can at present. Sections that never can are marked as done.
     std::size_t ready() {
         for (std::size_t i = 0; i < results_.size(); ++i) {
             if (states_[i] != State::waiting) continue;
@@ -175,7 +174,7 @@ class Queue {
     std::condition_variable changed_;
 };
 
-/// Programs refuse to write over a recording, and nothing old may pass for a result. Only what a report has made is removed.
+/// Empties the directory: programs refuse to overwrite a recording, and old files must not be taken for results. Removes only files of a report.
 void begin_afresh(const fs::path& directory) {
     const fs::path mark = directory / ".report";
     if (fs::exists(directory) && !fs::is_empty(directory) && !fs::exists(mark))
@@ -187,7 +186,7 @@ void begin_afresh(const fs::path& directory) {
 
 }  // namespace
 
-bool SectionResult::answered_yes() const {
+bool SectionResult::passed() const {
     return std::all_of(commands.begin(), commands.end(), [](const CommandResult& c) { return c.status == 0; });
 }
 

@@ -29,7 +29,7 @@ bool is_name(const std::string& id) {
     return std::all_of(id.begin(), id.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
 }
 
-/// A command by its number from 1; the last one where the key is missing.
+/// Index of a command by its number from 1; the last one if the key is missing.
 std::size_t command_of(const Table& t, std::string_view key, std::size_t commands) {
     const auto last = static_cast<std::int64_t>(commands);
     return static_cast<std::size_t>(t.find_integer(key, {.min = 1, .max = last}).value_or(last) - 1);

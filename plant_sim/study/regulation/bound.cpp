@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kShares = 26;  // of the tyre, from 0 in steps of kShareStep
 constexpr double kShareStep = 0.02;
 
-/// The innermost loop: not std::lerp, which also minds infinities and exact ends.
+/// In the innermost loop: std::lerp is slower, since it handles infinities and exact ends.
 double between(const std::vector<double>& values, std::size_t i, double beyond) {
     return values[i] + beyond * (values[i + 1] - values[i]);
 }
@@ -59,7 +59,7 @@ Bound::Bound(BoundProblem problem) : problem_(std::move(problem)) {
     for (const Pair& begin : problem_.begins) greatest = {std::max(greatest.brake_J, begin.brake_J), std::max(greatest.tyre_J, begin.tyre_J)};
     brake_step_J_ = problem_.brake_step_J > 0.0 ? problem_.brake_step_J : least_J;
     const double tyre_step_J = problem_.tyre_step_J > 0.0 ? problem_.tyre_step_J : greatest.tyre_J / 400.0;
-    // The coarse grid's cost a landing is where the fine one begins, which spares it half of its turns.
+    // The fine grid starts with the cost per landing of the coarse one, which saves half of its iterations.
     constexpr double kCoarse = 8.0;
     for (const double step_J : {kCoarse * tyre_step_J, tyre_step_J}) settle(greatest, step_J);
 }
@@ -72,7 +72,7 @@ void Bound::settle(const Pair& greatest, double tyre_step_J) {
     brake_nodes_ = nodes(greatest.brake_J, brake_step_J_);
     tyre_nodes_ = nodes(greatest.tyre_J, tyre_step_J_);
     nodes_.assign(brake_nodes_ * tyre_nodes_, {});
-    // Each turn takes the cost a landing of the policy that was best for the last one: as Newton's method it ends after a few.
+    // Each iteration uses the cost per landing of the best policy of the previous one; like Newton's method it converges in a few.
     constexpr int kTurns = 20;
     for (int turn = 0; turn < kTurns; ++turn) {
         sweep();

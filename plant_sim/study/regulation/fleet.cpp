@@ -27,7 +27,7 @@ wear::LiningLaw drawn_law(double lining_J, wear::Generator& generator) {
 
 LivingPair pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, const Policy& policy, const Truth& truth,
                    const FleetOptions& options, std::uint64_t life, bool worst_stops) {
-    constexpr std::size_t kBeyond = 4;  // times the plan: even a brake and a tyre that last long are used up by then
+    constexpr std::size_t kBeyond = 4;  // times the plan: enough for a brake and a tyre with long lives
     const auto planned = static_cast<std::size_t>(plan.landings);
     return {plan, rules, range, draw_life(options.seed, life, kBeyond * planned, planned, options.scenarios, options.mix, options.missing),
             LifeOptions{.policy = policy,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "rig_bridge/wear/draw.hpp"
@@ -35,7 +34,7 @@ double used_at(const std::vector<LifeRow>& rows, double LifeRow::*used, double l
     return before + (landing - whole) * (rows[i].*used - before);
 }
 
-/// To the first limit, the part of its landing included.
+/// Sums up to the first limit, with the part of its landing before that.
 void count(const Costs& costs, Life& life) {
     const std::vector<LifeRow>& rows = life.rows;
     for (std::size_t i = 0; i < rows.size() && static_cast<double>(i) < life.first_landing; ++i) {
@@ -62,7 +61,7 @@ void judge(const wear::WearPlan& plan, const wear::Range& range, Life& life) {
     life.first_landing = std::min({brake_landing, tyre_landing, static_cast<double>(rows.size())});
     life.other_left = life.first == First::brake ? 1.0 - used_at(rows, &LifeRow::tyre_J, life.first_landing) / life.tyre_budget_J
                                                  : 1.0 - used_at(rows, &LifeRow::brake_J, life.first_landing) / life.brake_budget_J;
-    // The share that a reference gave in this very life, for what its ends could have done.
+    // Tyre share over reference in this life, to estimate the result of the range's ends.
     double slip = 0.0;
     double share = 0.0;
     for (const LifeRow& row : rows) {
@@ -79,9 +78,9 @@ void judge(const wear::WearPlan& plan, const wear::Range& range, Life& life) {
     });
 }
 
-/// Who is told the surface sets mean shares: what references are to another.
+/// For a policy that knows the surface the regulator sets mean shares instead of references.
 wear::Regulator regulator_of(const wear::WearPlan& plan, wear::Rules rules, const wear::Range& range, const LifeOptions& options) {
-    if (options.policy.every > 1) rules.step = 0.5;  // by hand there is no small step
+    if (options.policy.every > 1) rules.step = 0.5;  // when set by hand, steps are not small
     if (!options.policy.told) return {plan, rules, range};
     rules.default_reference = options.references->default_share();
     return {plan, rules, options.references->shares()};
@@ -172,7 +171,7 @@ void LivingPair::landed(std::span<const Stop> stops) {
     if (const Pair before = left(); options_.bound != nullptr && before.brake_J > 0.0 && before.tyre_J > 0.0)
         row.loss = options_.bound->loss(before, options_.surface_of[draw.scenario], row.reference);
     for (const Stop& worst : stops.subspan(1)) row.worst_distance_m = std::max(row.worst_distance_m, worst.distance_m);
-    // Whoever goes on to the planned landing does so with a brake as it is at its limit: beyond it a lining's law soon leaves none.
+    // Up to the planned landing the brake stays as it is at its limit: beyond it a lining's law soon leaves nothing.
     brake_.take(std::clamp(options_.brake.life_J - brake_.state().c_e_J, 0.0, stop.brake_J));
     brake_J_ += stop.brake_J;
     tyre_J_ += stop.tyre_J;
@@ -195,7 +194,7 @@ void LivingPair::landed(std::span<const Stop> stops) {
     if (life_.rows.size() % static_cast<std::size_t>(options_.policy.every) == 0) held_ = regulator_.reference();
 }
 
-/// The worn parts are read, each with its error.
+/// Reads the wear of both parts, each with its error.
 void LivingPair::inspect() {
     constexpr std::uint64_t kStream = 1U << 21U;
     wear::Generator generator = wear::generator_of(options_.brake_seed, kStream + life_.rows.size());
@@ -207,7 +206,7 @@ void LivingPair::inspect() {
     regulator_.revise_tyre_life(tyre_readings_.life_J());
 }
 
-/// What is known of a landing goes to the regulator.
+/// Passes the measured values of a landing to the regulator.
 void LivingPair::regulate(const Draw& draw, const Stop& stop, double reference) {
     const Policy& policy = options_.policy;
     wear::Landing measured;
@@ -217,7 +216,7 @@ void LivingPair::regulate(const Draw& draw, const Stop& stop, double reference) 
         if (policy.told) {
             const std::size_t surface = options_.surface_of[draw.scenario];
             measured.expected_share = options_.references->share(surface, reference);
-            measured.j_mu = wear::kUnknown;  // a shortfall bounds this surface's references, not the mean share
+            measured.j_mu = wear::kUnknown;  // a shortfall limits this surface's references, not the mean share
             if (stop.measured.j_mu < regulator_.rules().j_mu_floor) options_.references->narrow(surface, reference, regulator_.rules().step);
             options_.references->landed(surface);
         }

@@ -1,4 +1,4 @@
-/// What the stops of the grid `changes` came to: how soon the wheel has the friction of another surface.
+/// Results of the grid `changes`: the time until the wheel has the friction of another surface.
 #pragma once
 
 #include <string>
@@ -9,26 +9,26 @@
 
 namespace robust {
 
-/// Of one law: all changes, those at one speed, or those to one surface.
+/// Summary of one law: over all changes, those at one speed, or those to one surface.
 struct ChangesSummary {
     std::size_t law = 0;
     std::string of;
     std::size_t changes = 0;
-    std::size_t measured = 0;  ///< Regrip::measured(); the rest counts nowhere below
+    std::size_t measured = 0;  ///< number with Regrip::measured(); only these count below
     std::size_t in_time = 0;   ///< regained within 0.4 s
-    std::size_t never = 0;     ///< not regained while it was looked at
-    // By nearest rank; infinite where that one was never regained. Of no meaning where none was measured.
+    std::size_t never = 0;     ///< not regained during the judged time
+    // By nearest rank; infinite if that change was never regained. Meaningless if none was measured.
     double median_s = 0.0;
     double percentile_90_s = 0.0;
     double worst_s = 0.0;
-    std::size_t worst = 0;  ///< number of its stop
+    std::size_t worst = 0;  ///< number of the stop with `worst_s`
 };
 
 [[nodiscard]] std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std::vector<Row>& rows);
 
-/// In Markdown; empty where the plan has no changes.
+/// Markdown; empty if the plan has no changes.
 [[nodiscard]] std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows);
-/// The summaries, and every change by itself.
+/// The summaries, and every change.
 [[nodiscard]] settings::Json changes_json(const RobustPlan& plan, const std::vector<Row>& rows);
 
 }  // namespace robust

@@ -20,7 +20,7 @@ Draw at_speed(const Basis& basis, std::size_t landing, double brake_on_mps) {
     return stop;
 }
 
-/// Backwards from the change: the speed at which braking at the peak of friction brings the aircraft there in time, and the place.
+/// Computes backwards from the change: the speed from which braking at peak friction reaches the change in time, and its place.
 Draw with_change(const Basis& basis, const SurfaceChange& change) {
     constexpr int kSteps = 1500;
     constexpr double kStep_s = 1e-3;
@@ -50,7 +50,7 @@ std::size_t grid_size(const Basis& basis, Family family) {
 BrakeOn brake_on_at(const Basis& basis, std::size_t number) {
     const std::vector<double>& speeds = basis.uncertainty.brake_on_mps;
     const std::size_t landings = basis.landings.size(), landing = number % landings;
-    // Any first few have every speed among them, so that a tuner can hold some.
+    // Any first few stops have all speeds, so that a tuner can use a part.
     return {.landing = landing, .speed_mps = speeds[(landing + number / landings) % speeds.size()]};
 }
 

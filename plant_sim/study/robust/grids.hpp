@@ -1,4 +1,4 @@
-/// Stops that are not drawn: every speed, surface and landing once.
+/// Stops on a grid instead of drawn: every speed, surface and landing once.
 #pragma once
 
 #include <cstddef>
@@ -7,25 +7,25 @@
 
 namespace robust {
 
-/// Brake-on at a speed of its own.
+/// A stop with brake-on at a given speed.
 struct BrakeOn {
     std::size_t landing = 0;
     double speed_mps = 0.0;
 };
 
-/// A runway that changes once, from the surface of one landing to that of another of the same mass.
+/// A runway with one change, from the surface of one landing to that of another of the same mass.
 struct SurfaceChange {
-    std::size_t from = 0, to = 0;  ///< landings
-    double speed_mps = 0.0;        ///< about which the wheel meets the other surface
+    std::size_t from = 0, to = 0;  ///< indices of landings
+    double speed_mps = 0.0;        ///< approximate speed at the change
 };
 
-/// How many stops a family has that is a grid; 0: it is drawn.
+/// Number of stops of a family that is a grid; 0: the family is drawn.
 [[nodiscard]] std::size_t grid_size(const Basis& basis, Family family);
 
-/// Stop `number` of a grid, from the beginning again after the last.
+/// Stop `number` of a grid, modulo the grid's size.
 [[nodiscard]] BrakeOn brake_on_at(const Basis& basis, std::size_t number);
 [[nodiscard]] SurfaceChange change_at(const Basis& basis, std::size_t number);
-/// The same as a plant. A change comes 1.5 s after brake-on: long enough for the wheel to be where the law wants it.
+/// The same as a plant. A change of surface comes 1.5 s after brake-on, when the wheel is at the law's reference.
 [[nodiscard]] Draw grid_stop(const Basis& basis, Family family, std::size_t number);
 
 }  // namespace robust

@@ -1,4 +1,4 @@
-/// What a slip reference offers on one surface, held exactly.
+/// Friction of a slip reference that is held exactly on one surface.
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -6,13 +6,13 @@
 
 namespace robust {
 
-/// Friction times distance, the two terms of eq. (16).
+/// Friction times distance: numerator and denominator of eq. (16).
 struct FrictionDistance {
     double had_m = 0.0;
-    double max_m = 0.0;  ///< at the peak all the way
+    double max_m = 0.0;  ///< with the peak friction all the way
 };
-/// From one speed down to another on `rig.surface`, with the slip `slip_reference` at every instant, less at low speed as `config` has it: no
-/// pressure build-up, no error of control.
+/// From one speed down to another on `rig.surface`, with the slip `slip_reference` at every instant, at low speed reduced as `config` has it: without
+/// pressure build-up and control error.
 [[nodiscard]] FrictionDistance held_distance(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference,
                                              double from_mps, double to_mps);
 

@@ -25,7 +25,7 @@ std::optional<Regrip> RegripMeter::regrip() const {
         return std::accumulate(first, first + static_cast<std::ptrdiff_t>(window), 0.0) >= kShare * static_cast<double>(window);
     };
     const std::size_t windows = shares_.size() < window ? 0 : shares_.size() - window + 1;
-    std::size_t kept = windows;  // the first window from which on all have enough
+    std::size_t kept = windows;  // first window after which all have enough
     while (kept > 0 && enough(kept - 1)) --kept;
     while (kept < windows && shares_[kept] < kShare) ++kept;
     if (kept < windows) result.regained_s = period_s_ * static_cast<double>(kept + 1);

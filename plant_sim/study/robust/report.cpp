@@ -33,12 +33,12 @@ double distance_m(const Row& row) {
 }
 
 std::optional<std::size_t> told_peak(const RobustPlan& plan) {
-    const auto at = std::find_if(plan.laws.begin(), plan.laws.end(), [](const Peer& law) { return law.name == kToldPeak; });
+    const auto at = std::find_if(plan.laws.begin(), plan.laws.end(), [](const ComparedLaw& law) { return law.name == kToldPeak; });
     if (at == plan.laws.end()) return std::nullopt;
     return static_cast<std::size_t>(at - plan.laws.begin());
 }
 
-/// `yardstick`: the law that was told.
+/// `yardstick`: the law that knows the peak slip.
 std::optional<AgainstToldPeak> against(const std::vector<Row>& rows, const Summary& s, std::size_t yardstick) {
     std::map<std::size_t, double> told_m;  // by draw
     for (const Row& row : rows)
@@ -73,7 +73,7 @@ std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
     return own;
 }
 
-/// J_mu over the share of the stops that are no better, and the stops that ended safe.
+/// J_mu over the share of stops that are not better, and the stops that ended in the safe state.
 std::array<pictures::Series, 2> curves(const RobustPlan& plan, const std::vector<Row>& rows, const Summary& s) {
     const std::vector<Row> own = worst_first(rows, s);
     pictures::Series all{.name = fmt::format("{}, mean {:.3f}", plan.laws[s.law].name, s.mean_j_mu), .colour = s.law, .width = 2.0};

@@ -29,7 +29,7 @@ namespace {
 
 using antiskid::control::Law;
 
-Peer peer_of(const std::string& word) {
+ComparedLaw peer_of(const std::string& word) {
     if (word == "slip") return {.name = word, .law = Law::wheel_slip};
     if (word == "peak_slip") return {.name = word, .law = Law::peak_slip, .holds_peak = true};
     if (word == "threshold") return {.name = word, .law = Law::threshold};
@@ -38,7 +38,7 @@ Peer peer_of(const std::string& word) {
     throw std::invalid_argument("unknown law '" + word + "'; there are slip, peak_slip, threshold, pressure_bias, told_peak, soonest, wary");
 }
 
-/// As far as the controller takes a reference.
+/// Limited to the references that the controller accepts.
 double peak_slip(const rig::Surface& surface) {
     return std::min(rig::peak(surface).slip, static_cast<double>(antiskid::control::kMaxSlipReference));
 }
@@ -51,11 +51,11 @@ Family family_of(const std::string& word) {
     throw std::invalid_argument("unknown family '" + word + "'; there are " + known);
 }
 
-/// What two processes must have alike to work on one campaign.
+/// Properties that must be equal in all processes of one campaign.
 std::string identity_of(const RobustPlan& plan) {
     std::string text = fmt::format("{} {} {} {}", ANTISKID_VERSION, plan.config_hash, plan.seed, plan.draws);
     for (const Family family : plan.families) text.append(" ").append(name(family));
-    for (const Peer& law : plan.laws) text.append(" ").append(law.name);
+    for (const ComparedLaw& law : plan.laws) text.append(" ").append(law.name);
     return text;
 }
 
@@ -66,7 +66,7 @@ Row row_of(const RobustPlan& plan, std::size_t stop) {
         .family = *family, .law = stop / plan.draws_of(*family), .number = stop % plan.draws_of(*family), .figures = {}, .faults = {}, .regrip = {}};
 }
 
-/// A stop as processes hand it over: its bytes, since all of them are the same program.
+/// A stop as it is sent between processes: as bytes, since all run the same program.
 struct Finished {
     std::size_t stop = 0;
     Row row;
@@ -86,7 +86,7 @@ Finished read(std::string_view text) {
     return finished;
 }
 
-/// A row that nobody has driven.
+/// Row of a bound, without simulation.
 Row bound_of(const RobustPlan& plan, Row row) {
     const rig::RigParameters rig = grid_stop(plan.basis, row.family, row.number).rig;
     const double period_s = std::chrono::duration<double>(study::period_of(plan.controller)).count();
@@ -105,12 +105,12 @@ Row bound_of(const RobustPlan& plan, Row row) {
     return row;
 }
 
-void run_share(const RobustPlan& plan, const std::vector<std::size_t>& share, const RunOptions& options, const study::team::HandIn& hand_in) {
+void run_share(const RobustPlan& plan, const std::vector<std::size_t>& share, const RunOptions& options, const study::team::PieceDone& piece_done) {
     std::vector<std::size_t> stops;
     for (const std::size_t stop : share) {
         const Row row = row_of(plan, stop);
         if (is_bound(plan.laws[row.law].name))
-            hand_in(bytes_of({.stop = stop, .row = bound_of(plan, row)}));
+            piece_done(bytes_of({.stop = stop, .row = bound_of(plan, row)}));
         else
             stops.push_back(stop);
     }
@@ -133,7 +133,7 @@ void run_share(const RobustPlan& plan, const std::vector<std::size_t>& share, co
             finished.row.figures = result.figures;
             finished.row.faults = result.faults;
             if (meters[i]) finished.row.regrip = meters[i]->regrip();
-            hand_in(bytes_of(finished));
+            piece_done(bytes_of(finished));
         },
         {.threads = options.threads, .stop = options.stop});
 }
@@ -192,12 +192,12 @@ std::size_t RobustPlan::stops() const {
     return all;
 }
 
-std::optional<double> held_slip(const RobustPlan& plan, const Peer& law, const rig::Surface& surface) {
+std::optional<double> held_slip(const RobustPlan& plan, const ComparedLaw& law, const rig::Surface& surface) {
     if (!antiskid::control::holds_slip(law.law)) return std::nullopt;
     return law.holds_peak ? peak_slip(surface) : plan.basis.uncertainty.slip_reference;
 }
 
-study::SessionOptions session(const RobustPlan& plan, const Peer& law, std::size_t number) {
+study::SessionOptions session(const RobustPlan& plan, const ComparedLaw& law, std::size_t number) {
     study::SessionOptions s;
     s.plan.law = law.law;
     if (law.law == Law::wheel_slip && law.holds_peak) s.slip_reference = [](const plant::Rig& rig) { return peak_slip(rig.surface()); };
@@ -216,7 +216,7 @@ std::vector<Row> run(const RobustPlan& plan, const RunOptions& options, study::t
     std::vector<std::optional<Row>> rows(plan.stops());
     std::size_t done = 0;
     study::team::work_together(
-        team, [&](const study::team::HandIn& hand_in) { run_share(plan, ours, options, hand_in); },
+        team, [&](const study::team::PieceDone& piece_done) { run_share(plan, ours, options, piece_done); },
         [&](std::string_view text) {
             const Finished finished = read(text);
             rows.at(finished.stop) = finished.row;
@@ -229,7 +229,7 @@ std::vector<Row> run(const RobustPlan& plan, const RunOptions& options, study::t
 }
 
 std::vector<Row> run(const RobustPlan& plan, const RunOptions& options) {
-    study::team::Alone team;
+    study::team::SingleProcess team;
     return run(plan, options, team);
 }
 

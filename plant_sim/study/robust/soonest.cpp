@@ -11,7 +11,7 @@ namespace robust {
 
 namespace {
 
-constexpr double kFullCurrent_mA = 1e3;  // beyond the map's end, which is held
+constexpr double kFullCurrent_mA = 1e3;  // beyond the end of the map
 
 /// A rigid wheel behind the valve, no sensors.
 class BrakedWheel {
@@ -59,7 +59,7 @@ class BrakedWheel {
     plant::WheelState state_;
 };
 
-/// Whether the slip passes `most` without current, until it rises no more, which it may begin to do after the valve's delay.
+/// Whether the slip exceeds `most` after the current is cut off; observed until the slip stops rising, which may be after the valve's delay.
 bool slips_beyond(BrakedWheel wheel, double most, double delay_s, double period_s) {
     double slip = 0.0;
     for (int i = 0; i * period_s < delay_s + 2.0 * period_s || wheel.forces().slip > slip; ++i) {
@@ -79,7 +79,7 @@ double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::Slip
         return w.forces().slip > static_cast<double>(antiskid::control::falling_reference(config, static_cast<float>(slip_reference),
                                                                                           static_cast<float>(w.state().v_mps)));
     };
-    // Until the slip rises no more, which it does not before the valve's delay either. Returns whether it was more than it should be.
+    // Waits until the slip stops rising, at least for the valve's delay. Returns whether the slip was too large.
     const auto release = [&](BrakedWheel& w) {
         double slip = 0.0;
         for (int i = 0; i * period_s < rig.valve.delay_s + 2.0 * period_s || w.forces().slip > slip; ++i) {
@@ -104,10 +104,10 @@ double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::Slip
 double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
                  double period_s, double late_s) {
     constexpr double kLocks = 0.9;
-    constexpr double kSteep = 1e4;  // a runway of that friction at hardly any slip
+    constexpr double kSteep = 1e4;  // a runway whose friction rises at hardly any slip
     BrakedWheel wheel(rig, rig.brake_on_mps, 0.0, period_s);
     const double earliest_slip = static_cast<double>(config.earliest_peak_slip);
-    std::vector<plant::Forces> felt;  // by period
+    std::vector<plant::Forces> felt;  // one per period
     const auto late = static_cast<std::size_t>(std::lround(late_s / period_s));
     while (wheel.state().v_mps > drop_out_mps) {
         const plant::Forces now = wheel.forces();
@@ -116,7 +116,7 @@ double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipCon
         if (now.slip >= reference) break;
         felt.push_back(now);
         const plant::Forces& known = felt[felt.size() > late ? felt.size() - 1 - late : 0];
-        // Along the chord at first, to what that has at the earliest peak.
+        // First along the chord, to its value at the earliest peak.
         const double rises = known.slip > 0.0 && known.slip < earliest_slip ? earliest_slip / known.slip : 1.0;
         BrakedWheel released = wheel;
         released.step(kFullCurrent_mA);

@@ -1,4 +1,4 @@
-/// What is not known about a plant, as ranges, and plants drawn from them.
+/// Unknown parameters of a plant as ranges, and plants drawn from them.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace robust {
 
-/// Which ranges a draw takes; `changes` and `brake_on` take none, they are grids (grids.hpp).
+/// Which ranges a draw uses. `changes` and `brake_on` use none: they are grids (grids.hpp).
 enum class Family : std::uint8_t { paper, ring, relaxation, leg, parameters, patches, speed, all, changes, brake_on };
 inline constexpr std::array<std::string_view, 10> kFamilyNames{"paper",   "ring",  "relaxation", "leg",     "parameters",
                                                                "patches", "speed", "all",        "changes", "brake_on"};
-inline constexpr std::size_t kDrawnFamilies = 8;  ///< of them, from the front
+inline constexpr std::size_t kDrawnFamilies = 8;  ///< number of drawn families, which are the first
 [[nodiscard]] constexpr std::string_view name(Family family) {
     return kFamilyNames[static_cast<std::size_t>(family)];
 }
@@ -25,7 +25,7 @@ struct Interval {
     double low = 0.0, high = 0.0;
 };
 
-/// config/uncertainty.toml; its comments say what each is.
+/// Contents of config/uncertainty.toml; its comments describe each value.
 struct Uncertainty {
     double slip_reference = 0.0;
     Interval speed_mps;
@@ -36,22 +36,22 @@ struct Uncertainty {
     Interval wheel_inertia, brake_gain, valve_frequency, delay_s, hysteresis_mA, load, pitch_error, eccentricity;
     Interval patch_m;
     std::vector<double> change_mps;    ///< of the grid `changes`
-    std::vector<double> brake_on_mps;  ///< of the grid `brake_on`, slowest first
+    std::vector<double> brake_on_mps;  ///< of the grid `brake_on`, ascending
 };
 /// Throws settings::Error.
 [[nodiscard]] Uncertainty load_uncertainty(const std::filesystem::path& file);
 
-/// A landing before anything is drawn.
+/// A landing with nominal parameters.
 struct Landing {
     std::string surface, maneuver;
     rig::RigParameters rig;
 };
 
-/// What a draw takes from.
+/// Inputs of the draws.
 struct Basis {
     Uncertainty uncertainty;
-    std::vector<Landing> landings;       ///< one of them
-    std::vector<rig::Surface> surfaces;  ///< of the patches
+    std::vector<Landing> landings;       ///< each draw uses one
+    std::vector<rig::Surface> surfaces;  ///< for the patches
 };
 
 struct Draw {
@@ -59,11 +59,11 @@ struct Draw {
     rig::RigParameters rig;
 };
 
-/// Draw `number` of a family: that, the family and the seed decide everything. Landings come in turn, so that every family has all of them.
-/// A grid begins again after its last stop.
+/// Draw `number` of a family, determined by number, family and seed. Landings alternate, so that every family has all of them. The number of a grid
+/// counts modulo its size.
 [[nodiscard]] Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t number);
 
-/// What was drawn, for a person: "heavy snow, ring 73.2 Hz damping 0.050 belt 0.31". Of patches the first four.
+/// The drawn values for people: "heavy snow, ring 73.2 Hz damping 0.050 belt 0.31". Of patches the first four.
 [[nodiscard]] std::string describe(const Basis& basis, const Draw& draw);
 
 }  // namespace robust

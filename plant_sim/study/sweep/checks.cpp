@@ -13,9 +13,9 @@ constexpr double kMinJmu = 0.958;  // 0.97 in the paper; 0.9702 held exactly is 
 constexpr double kNearBest = 0.002;
 constexpr double kBrakeAboveTyreTo = 0.44;
 constexpr double kShareBand = 0.01;
-constexpr std::size_t kEnoughForTrends = 5;  // references
-// Section VI has 100. With 16 the runways that happen to be drawn move the best reference by several hundredths, and a
-// few stops with a retreat move the tyre's mean share by a hundredth.
+constexpr std::size_t kEnoughForTrends = 5;  // number of references
+// Section VI has 100. With 16, the drawn runways move the best reference by several hundredths, and a few stops with a retreat move the tyre's mean
+// share by a hundredth.
 constexpr std::size_t kEnoughLandings = 40;
 
 const Means* at(const std::vector<Means>& all, double reference) {
@@ -23,7 +23,7 @@ const Means* at(const std::vector<Means>& all, double reference) {
     return found == all.end() ? nullptr : &*found;
 }
 
-/// A figure that rises with the reference to one place and falls from there: that place, and the worst step against it.
+/// A figure that rises with the reference up to a place and then falls: the place, and the largest step in the wrong direction.
 struct Hill {
     std::size_t top = 0;
     double worst = 0.0;

@@ -31,7 +31,7 @@ std::string text_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// What is there must be of this sweep, stop by stop.
+/// Checks that the rows are of this sweep.
 void check(const StopsTable& found, const SweepPlan& plan) {
     const std::string differs = difference(found.identity, identity_of(plan));
     if (!differs.empty())
@@ -50,7 +50,7 @@ PartFile::PartFile(std::filesystem::path path, const SweepPlan& plan) : path_(st
     if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) throw std::runtime_error(path_.string() + ": another sweep is at work on it");
     const std::string first_lines = head(identity_of(plan));
     const std::string there = text_of(path_);
-    // A program killed before its first lines were whole has not begun.
+    // A program that was killed before its first lines were complete has not begun.
     const bool begun = !there.empty() && !(there.size() < first_lines.size() && first_lines.starts_with(there));
     StopsTable found;
     if (begun) {

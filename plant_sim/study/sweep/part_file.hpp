@@ -1,4 +1,4 @@
-/// The stops of a sweep that is under way: a table that grows by whole lines, and from which the same sweep goes on.
+/// Finished stops of an unfinished sweep: a table that grows by complete lines, and from which the same sweep can continue.
 #pragma once
 
 #include <filesystem>
@@ -12,13 +12,13 @@ namespace sweep {
 
 class PartFile {
   public:
-    /// Makes the file, or takes up what an earlier run left of the same sweep. Throws settings::Error where it is of another
-    /// one or damaged, std::runtime_error where it cannot be made or another process is at work on it.
+    /// Creates the file, or reads the rows that an earlier run of the same sweep left. Throws settings::Error if the file is of another sweep or
+    /// damaged, std::runtime_error if it cannot be created or another process uses it.
     PartFile(std::filesystem::path path, const SweepPlan& plan);
 
-    /// What was there before.
+    /// The rows of the earlier run.
     [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
-    /// Whole lines, with their ends. They survive the death of this program. Throws std::runtime_error where they cannot be written.
+    /// Appends complete lines, with their ends. They survive the end of this program. Throws std::runtime_error if they cannot be written.
     void append(std::string_view lines);
     void remove();
 

@@ -1,4 +1,4 @@
-/// The stops of a plan in closed loop on every core: sensors, codec rounding, the real controller, the plant.
+/// The stops of a plan in closed loop on all cores: sensors, rounding by the codec, the real controller, the plant.
 #pragma once
 
 #include <atomic>
@@ -19,16 +19,16 @@ struct Row {
 };
 
 struct RunOptions {
-    unsigned threads = 1;                      ///< at least 1; figures do not depend on it
-    const std::atomic<bool>* stop = nullptr;   ///< once true, stops that have begun are finished and no other is
-    std::function<void(const Row&)> on_row{};  ///< called with each finished stop, one at a time, by any thread
+    unsigned threads = 1;                      ///< >= 1; figures do not depend on it
+    const std::atomic<bool>* stop = nullptr;   ///< once true, stops that have begun are finished and no others start
+    std::function<void(const Row&)> on_row{};  ///< called with each finished stop by any thread, one at a time
 };
 
-/// Stop `number` of the plan alone.
+/// Runs stop `number` of the plan.
 [[nodiscard]] Row run_one(const SweepPlan& plan, std::size_t number);
 
-/// Stops `numbers` of the plan, begun in that order; those that are finished come back in the order of their numbers. What a stop or on_row
-/// throws ends the run and is thrown here.
+/// Starts stops `numbers` of the plan in that order; returns the finished ones in the order of their numbers. An exception of a stop or of on_row
+/// ends the run and is thrown.
 std::vector<Row> run(const SweepPlan& plan, std::span<const std::size_t> numbers, const RunOptions& options);
 
 }  // namespace sweep

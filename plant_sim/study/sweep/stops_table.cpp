@@ -64,7 +64,7 @@ std::string column_names() {
     return names + "\n";
 }
 
-/// One line's fields, taken from left to right; every refusal names file, line and column.
+/// Fields of one line, read from left to right; errors name file, line and column.
 class Fields {
   public:
     Fields(const std::string& name, std::uint32_t line, std::string_view text) : name_(name), line_(line), left_(text) {}

@@ -54,7 +54,7 @@ study::SessionOptions SweepPlan::session(std::size_t number) const {
     const bool by_threshold = row == references.size();
     study::SessionOptions session;
     session.plan.law = by_threshold ? antiskid::control::Law::threshold : antiskid::control::Law::wheel_slip;
-    // The threshold law does not read it, but the frame must carry one.
+    // The threshold law does not use it, but the frame must have a valid one.
     session.plan.slip_reference = by_threshold ? kPaperReference : references[row];
     session.plan.demand_Pa = demand_Pa;
     session.period_s = static_cast<double>(controller.period_s);

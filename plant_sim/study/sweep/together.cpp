@@ -25,8 +25,8 @@ void work_on(const SweepPlan& plan, const Work& work, const std::vector<Row>& do
     const auto ours = study::team::share_of(pending(plan, done), team);
     study::team::work_together(
         team,
-        [&](const study::team::HandIn& hand_in) {
-            (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) { hand_in(line(row)); }});
+        [&](const study::team::PieceDone& piece_done) {
+            (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) { piece_done(line(row)); }});
         },
         take);
 }

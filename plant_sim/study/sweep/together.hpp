@@ -1,4 +1,4 @@
-/// A sweep by all threads of all processes of a team; what is finished is kept as it comes.
+/// A sweep by all threads of all processes of a team; finished stops are stored as they come.
 #pragma once
 
 #include <atomic>
@@ -12,15 +12,15 @@
 namespace sweep {
 
 struct Work {
-    std::filesystem::path part{};             ///< the leader's PartFile: what it holds is not run again
+    std::filesystem::path part{};             ///< the leader's PartFile; its stops are not run again
     unsigned threads = 1;                     ///< of each process
     const std::atomic<bool>* stop = nullptr;  ///< see RunOptions
-    /// By the leader, for each stop that is finished: how many are, of how many, and how many were before this run.
+    /// Called by the leader for each finished stop, with the number of finished ones, of all, and of those from an earlier run.
     std::function<void(std::size_t done, std::size_t all, std::size_t before)> progress{};
 };
 
-/// For the leader: the stops that are finished, by number; all of them unless it was stopped. Nothing for the others. Every
-/// process must be given the same plan: one that was not throws std::invalid_argument. Otherwise as PartFile and run().
+/// Returns to the leader the finished stops by number (all, unless stopped), to the others nothing. Every process must have the same plan; one that
+/// has not throws std::invalid_argument. Otherwise as PartFile and run().
 [[nodiscard]] std::vector<Row> run_together(const SweepPlan& plan, const Work& work, study::team::Team& team);
 
 }  // namespace sweep

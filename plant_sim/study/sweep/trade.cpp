@@ -13,9 +13,9 @@ namespace sweep {
 namespace {
 
 constexpr double kPerMJ = 1e-6;
-constexpr double kSame = 1e-12;  // costs that differ by no more are equal but for rounding
+constexpr double kSame = 1e-12;  // a smaller difference of costs is rounding
 
-double cost_of(const Tariff& tariff, const Offer& o) {
+double cost_of(const Tariff& tariff, const ReferenceMeans& o) {
     if (const auto* price = std::get_if<Prices>(&tariff))
         return (price->brake_per_MJ * o.energy_brake_J + price->tyre_per_MJ * o.energy_tyre_J) * kPerMJ;
     const Lives& life = std::get<Lives>(tariff);
@@ -39,15 +39,15 @@ void check(const StopsTable& sweep, const TradeOptions& options) {
                            sweep.identity.stops()));
 }
 
-/// The landings of a sweep, each `weights` times.
+/// The landings of a sweep with weights.
 class Sample {
   public:
     Sample(const StopsTable& sweep, const Tariff& tariff) : sweep_(sweep), tariff_(tariff) {}
 
     /// Row `i` of the sweep: a reference, or the threshold law after them.
-    [[nodiscard]] Offer mean(std::size_t i, const std::vector<double>& weights) const {
+    [[nodiscard]] ReferenceMeans mean(std::size_t i, const std::vector<double>& weights) const {
         const std::size_t n = weights.size();
-        Offer o;
+        ReferenceMeans o;
         for (std::size_t j = 0; j < n; ++j) {
             const study::StopFigures& f = sweep_.rows[i * n + j].figures;
             o.j_mu += weights[j] * f.j_mu;
@@ -61,12 +61,12 @@ class Sample {
         return o;
     }
 
-    [[nodiscard]] std::vector<Offer> offers(const std::vector<double>& weights) const {
+    [[nodiscard]] std::vector<ReferenceMeans> offers(const std::vector<double>& weights) const {
         const auto& references = sweep_.identity.references;
-        std::vector<Offer> means;
+        std::vector<ReferenceMeans> means;
         means.reserve(references.size());
         for (std::size_t i = 0; i < references.size(); ++i) means.push_back(mean(i, weights));
-        std::vector<Offer> all;
+        std::vector<ReferenceMeans> all;
         for (std::size_t i = 0; i + 1 < means.size(); ++i) {
             const auto steps = static_cast<int>(std::ceil((references[i + 1] - references[i]) / Trade::kStep - 1e-6));
             for (int k = 0; k < steps; ++k) all.push_back(between(means[i], means[i + 1], k, steps));
@@ -76,14 +76,14 @@ class Sample {
     }
 
   private:
-    [[nodiscard]] Offer between(const Offer& a, const Offer& b, int step, int steps) const {
+    [[nodiscard]] ReferenceMeans between(const ReferenceMeans& a, const ReferenceMeans& b, int step, int steps) const {
         if (step == 0) return a;
         const double x = static_cast<double>(step) / steps;
-        Offer o{.slip_reference = std::lerp(a.slip_reference, b.slip_reference, x),
-                .j_mu = std::lerp(a.j_mu, b.j_mu, x),
-                .stop_distance_m = std::lerp(a.stop_distance_m, b.stop_distance_m, x),
-                .energy_brake_J = std::lerp(a.energy_brake_J, b.energy_brake_J, x),
-                .energy_tyre_J = std::lerp(a.energy_tyre_J, b.energy_tyre_J, x)};
+        ReferenceMeans o{.slip_reference = std::lerp(a.slip_reference, b.slip_reference, x),
+                         .j_mu = std::lerp(a.j_mu, b.j_mu, x),
+                         .stop_distance_m = std::lerp(a.stop_distance_m, b.stop_distance_m, x),
+                         .energy_brake_J = std::lerp(a.energy_brake_J, b.energy_brake_J, x),
+                         .energy_tyre_J = std::lerp(a.energy_tyre_J, b.energy_tyre_J, x)};
         o.cost = cost_of(tariff_, o);
         return o;
     }
@@ -92,12 +92,12 @@ class Sample {
     const Tariff& tariff_;
 };
 
-bool within(const Offer& o, const Bounds& bounds) {
+bool within(const ReferenceMeans& o, const Bounds& bounds) {
     return !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
 }
 
-/// The cheapest within the bounds; of equally cheap ones that with the greatest J_mu. The end where there is none.
-std::size_t best_of(const std::vector<Offer>& offers, const Bounds& bounds) {
+/// Index of the cheapest within the bounds, among equally cheap ones that with the greatest J_mu; the size if there is none.
+std::size_t best_of(const std::vector<ReferenceMeans>& offers, const Bounds& bounds) {
     std::size_t best = offers.size();
     for (std::size_t i = 0; i < offers.size(); ++i) {
         if (!within(offers[i], bounds)) continue;
@@ -112,13 +112,13 @@ std::size_t best_of(const std::vector<Offer>& offers, const Bounds& bounds) {
     return best;
 }
 
-Decides deciding(const std::vector<Offer>& offers, std::size_t best, const Bounds& bounds) {
-    if (offers[best].cost == 0.0) return Decides::no_cost;
-    for (const std::size_t next : {best - 1, best + 1}) {  // before the first wraps round to beyond the last
+BindingLimit deciding(const std::vector<ReferenceMeans>& offers, std::size_t best, const Bounds& bounds) {
+    if (offers[best].cost == 0.0) return BindingLimit::no_cost;
+    for (const std::size_t next : {best - 1, best + 1}) {  // before the first, the index wraps round to a value beyond the last
         if (next >= offers.size() || offers[next].cost >= offers[best].cost * (1.0 - kSame)) continue;
-        return bounds.min_j_mu && offers[next].j_mu < *bounds.min_j_mu ? Decides::min_j_mu : Decides::max_distance;
+        return bounds.min_j_mu && offers[next].j_mu < *bounds.min_j_mu ? BindingLimit::min_j_mu : BindingLimit::max_distance;
     }
-    return best == 0 || best + 1 == offers.size() ? Decides::end_of_references : Decides::nothing;
+    return best == 0 || best + 1 == offers.size() ? BindingLimit::end_of_references : BindingLimit::nothing;
 }
 
 Interval middle(std::vector<double> values) {
@@ -129,12 +129,12 @@ Interval middle(std::vector<double> values) {
     return {at(kTail), at(1.0 - kTail)};
 }
 
-double saved(const Offer& best, const Offer& other) {
+double saved(const ReferenceMeans& best, const ReferenceMeans& other) {
     return other.cost > 0.0 ? 1.0 - best.cost / other.cost : 0.0;
 }
 
-std::optional<Offer> paper_of(const std::vector<Offer>& offers) {
-    for (const Offer& o : offers) {
+std::optional<ReferenceMeans> paper_of(const std::vector<ReferenceMeans>& offers) {
+    for (const ReferenceMeans& o : offers) {
         if (std::abs(o.slip_reference - kPaperReference) < 0.5 * Trade::kStep) return o;
     }
     return std::nullopt;
@@ -149,9 +149,10 @@ Trade traded(const StopsTable& sweep, const TradeOptions& options) {
     const Sample sample(sweep, options.tariff);
     const std::vector<double> equal(landings, 1.0 / static_cast<double>(landings));
     Trade t{.offers = sample.offers(equal), .greatest_j_mu = {}, .min_distance = {}};
-    t.greatest_j_mu = *std::max_element(t.offers.begin(), t.offers.end(), [](const Offer& a, const Offer& b) { return a.j_mu < b.j_mu; });
-    t.min_distance =
-        *std::min_element(t.offers.begin(), t.offers.end(), [](const Offer& a, const Offer& b) { return a.stop_distance_m < b.stop_distance_m; });
+    t.greatest_j_mu =
+        *std::max_element(t.offers.begin(), t.offers.end(), [](const ReferenceMeans& a, const ReferenceMeans& b) { return a.j_mu < b.j_mu; });
+    t.min_distance = *std::min_element(t.offers.begin(), t.offers.end(),
+                                       [](const ReferenceMeans& a, const ReferenceMeans& b) { return a.stop_distance_m < b.stop_distance_m; });
     t.paper = paper_of(t.offers);
     if (sweep.identity.threshold) t.threshold = sample.mean(by_threshold, equal);
     const std::size_t best = best_of(t.offers, options.bounds);
@@ -168,7 +169,7 @@ Trade traded(const StopsTable& sweep, const TradeOptions& options) {
         std::vector<double> weights(landings, 0.0);
         for (std::size_t j = 0; j < landings; ++j)
             weights[static_cast<std::size_t>(wear::uniform(generator) * static_cast<double>(landings))] += equal.front();
-        const std::vector<Offer> offers = sample.offers(weights);
+        const std::vector<ReferenceMeans> offers = sample.offers(weights);
         const std::size_t i = best_of(offers, options.bounds);
         if (i == offers.size()) continue;
         references.push_back(offers[i].slip_reference);

@@ -13,39 +13,39 @@ namespace sweep {
 
 namespace {
 
-const char* name_of(Decides decides) {
+const char* name_of(BindingLimit decides) {
     switch (decides) {
-        case Decides::nothing:
+        case BindingLimit::nothing:
             return "nothing";
-        case Decides::min_j_mu:
+        case BindingLimit::min_j_mu:
             return "min_j_mu";
-        case Decides::max_distance:
+        case BindingLimit::max_distance:
             return "max_distance";
-        case Decides::end_of_references:
+        case BindingLimit::end_of_references:
             return "end_of_references";
-        case Decides::no_cost:
+        case BindingLimit::no_cost:
             return "no_cost";
     }
     return "";
 }
 
-const char* words_of(Decides decides) {
+const char* words_of(BindingLimit decides) {
     switch (decides) {
-        case Decides::nothing:
+        case BindingLimit::nothing:
             return "neither a bound nor the end of the references holds it: cost is least there";
-        case Decides::min_j_mu:
+        case BindingLimit::min_j_mu:
             return "the floor on J_mu decides: beyond it would be cheaper";
-        case Decides::max_distance:
+        case BindingLimit::max_distance:
             return "the ceiling on distance decides: beyond it would be cheaper";
-        case Decides::end_of_references:
+        case BindingLimit::end_of_references:
             return "the end of the sweep's references decides: beyond may be cheaper";
-        case Decides::no_cost:
+        case BindingLimit::no_cost:
             return "nothing costs anything: the greatest J_mu within the bounds";
     }
     return "";
 }
 
-settings::Json json_of(const Offer& o) {
+settings::Json json_of(const ReferenceMeans& o) {
     settings::Json json;
     if (o.slip_reference > 0.0) json["slip_reference"] = o.slip_reference;
     json.update({{"j_mu", o.j_mu},
@@ -64,8 +64,8 @@ bool by_life(const TradeOptions& options) {
     return std::holds_alternative<Lives>(options.tariff);
 }
 
-/// Small numbers stay readable, whatever the currency.
-std::string cost_text(const Offer& o, const TradeOptions& options) {
+/// Small numbers stay readable in any currency.
+std::string cost_text(const ReferenceMeans& o, const TradeOptions& options) {
     return by_life(options) ? fmt::format("{:.1f}", 1.0 / o.cost) : fmt::format("{:.5g}", o.cost);
 }
 
@@ -73,7 +73,7 @@ std::string saving_text(const Saving& s, const char* than, const TradeOptions& o
     if (!by_life(options))
         return fmt::format("  saves against {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, s.share * 100.0, s.interval.low * 100.0,
                            s.interval.high * 100.0);
-    // A cost that is smaller by s makes 1 / (1 - s) times the landings.
+    // A cost reduced by s gives 1 / (1 - s) times as many landings.
     const auto more = [](double share) { return (1.0 / (1.0 - share) - 1.0) * 100.0; };
     return fmt::format("  landings more than with {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, more(s.share), more(s.interval.low),
                        more(s.interval.high));
@@ -86,7 +86,7 @@ std::string bounds_text(const Bounds& bounds) {
     return text.empty() ? "no bound" : text;
 }
 
-/// `y` of every offer over its cost. Points alone: along the references cost falls and rises again.
+/// `y` over the cost of all references, as points: along the references the cost falls and rises again.
 template <typename Y>
 pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y_label, const std::optional<double>& bound, const Y& y) {
     using pictures::Series;
@@ -95,7 +95,7 @@ pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y
     Series outside{.name = "slip references", .style = Style::points, .colour = pictures::sky};
     Series inside{.name = "within the bounds", .style = Style::points, .colour = pictures::blue};
     double next_label = 0.0;
-    for (const Offer& o : t.offers) {
+    for (const ReferenceMeans& o : t.offers) {
         const bool good = !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
         Series& one = good ? inside : outside;
         one.add(o.cost, y(o));
@@ -106,14 +106,14 @@ pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y
     pictures::Chart chart{.y_label = y_label,
                           .x_label = by_life(options) ? "share of the first worn part's life that a landing takes" : "cost of a landing",
                           .series = {std::move(outside), std::move(inside)}};
-    const auto mark = [&](const char* name, const std::optional<Offer>& o, pictures::Colour colour) {
+    const auto mark = [&](const char* name, const std::optional<ReferenceMeans>& o, pictures::Colour colour) {
         if (o) chart.series.push_back({.name = name, .style = Style::points, .colour = colour, .x = {o->cost}, .y = {y(*o)}});
     };
     mark("threshold law", t.threshold, pictures::vermillion);
     mark("reference 0.24", t.paper, pictures::black);
     mark("best", t.best, pictures::green);
     const auto [least, greatest] =
-        std::minmax_element(t.offers.begin(), t.offers.end(), [](const Offer& p, const Offer& q) { return p.cost < q.cost; });
+        std::minmax_element(t.offers.begin(), t.offers.end(), [](const ReferenceMeans& p, const ReferenceMeans& q) { return p.cost < q.cost; });
     if (bound && least != t.offers.end()) chart.series.push_back(pictures::level("bound", least->cost, greatest->cost, *bound, pictures::grey));
     return chart;
 }
@@ -157,7 +157,7 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
                             t.best_interval.high, words_of(t.decides));
     auto table = settings::TextTable::screen(
         fmt::format(":<16|J_mu:>10.4f|distance_m:>12.1f|brake_MJ:>11.3f|tyre_MJ:>10.3f|{}:>14", by_life(options) ? "landings" : "cost"));
-    const auto row = [&](const std::string& name, const std::optional<Offer>& o) {
+    const auto row = [&](const std::string& name, const std::optional<ReferenceMeans>& o) {
         if (o) table.add(name, o->j_mu, o->stop_distance_m, o->energy_brake_J * 1e-6, o->energy_tyre_J * 1e-6, cost_text(*o, options));
     };
     row("best", t.best);
@@ -172,11 +172,11 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
 }
 
 void draw_trade(const Trade& t, const TradeOptions& options, const std::filesystem::path& png) {
-    pictures::draw(
-        {.charts = {chart(t, options, "mean J_mu", options.bounds.min_j_mu, [](const Offer& o) { return o.j_mu; }),
-                    chart(t, options, "mean braking distance (m)", options.bounds.max_distance_m, [](const Offer& o) { return o.stop_distance_m; })},
-         .columns = 2},
-        png);
+    pictures::draw({.charts = {chart(t, options, "mean J_mu", options.bounds.min_j_mu, [](const ReferenceMeans& o) { return o.j_mu; }),
+                               chart(t, options, "mean braking distance (m)", options.bounds.max_distance_m,
+                                     [](const ReferenceMeans& o) { return o.stop_distance_m; })},
+                    .columns = 2},
+                   png);
 }
 
 }  // namespace sweep

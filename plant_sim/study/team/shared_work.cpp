@@ -14,7 +14,7 @@ std::vector<std::size_t> order_of_work(std::size_t pieces) {
     rig::Random random(kShuffle);
     std::vector<std::size_t> numbers(pieces);
     std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-    // Fisher and Yates; std::shuffle is not the same with every standard library. Its bias from % is of no concern here.
+    // Fisher and Yates; std::shuffle differs between standard libraries. The bias of % does not matter here.
     for (std::size_t i = pieces; i > 1; --i) std::swap(numbers[i - 1], numbers[static_cast<std::size_t>(random.bits() % i)]);
     return numbers;
 }
@@ -25,7 +25,7 @@ std::vector<std::size_t> share_of(std::span<const std::size_t> pending, const Te
     return ours;
 }
 
-void work_together(Team& team, const std::function<void(const HandIn&)>& work, const std::function<void(std::string_view piece)>& take) {
+void work_together(Team& team, const std::function<void(const PieceDone&)>& work, const std::function<void(std::string_view piece)>& take) {
     if (team.rank() != 0) {
         work([&team](const std::string& piece) { team.to_leader(piece); });
         team.to_leader({});

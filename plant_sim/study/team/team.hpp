@@ -1,4 +1,4 @@
-/// The processes that work on one study: those that mpirun started, or this one alone.
+/// The processes that work on one study: those started by mpirun, or only this one.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace study::team {
 
-/// Calls come from one thread at a time. Where something of MPI fails, MPI ends all processes.
+/// For one thread at a time. An error of MPI ends all processes.
 class Team {
   public:
     Team() = default;
@@ -18,20 +18,20 @@ class Team {
     Team(const Team&) = delete;
     Team& operator=(const Team&) = delete;
 
-    [[nodiscard]] virtual std::size_t rank() const = 0;  ///< 0 leads: it alone writes files and speaks
+    [[nodiscard]] virtual std::size_t rank() const = 0;  ///< 0: the leader, which alone writes files and prints
     [[nodiscard]] virtual std::size_t size() const = 0;
-    /// The leader's text, in every process. All must call it.
+    /// Returns the leader's `text` in every process. Every process must call it.
     [[nodiscard]] virtual std::string from_leader(std::string text) = 0;
-    /// To the leader, from another.
+    /// Sends `text` to the leader; not for the leader.
     virtual void to_leader(std::string_view text) = 0;
-    /// For the leader: what another has sent. With `wait` it stays until something comes, else nullopt says that nothing has.
+    /// For the leader: the next text sent by another process. `wait`: waits for one; otherwise none means that none has arrived.
     [[nodiscard]] virtual std::optional<std::string> received(bool wait) = 0;
-    /// Ends every process with this exit status.
+    /// Ends every process with the exit status `status`.
     virtual void end_all(int status) = 0;
 };
 
-/// A team of one.
-class Alone : public Team {
+/// A team of one process.
+class SingleProcess : public Team {
   public:
     [[nodiscard]] std::size_t rank() const override { return 0; }
     [[nodiscard]] std::size_t size() const override { return 1; }
@@ -41,10 +41,10 @@ class Alone : public Team {
     void end_all(int status) override { std::exit(status); }
 };
 
-/// How many processes mpirun started, by the variables that Open MPI, MPICH and Slurm set; 1 without it.
+/// Number of processes started by mpirun, by the variables of Open MPI, MPICH and Slurm; 1 without mpirun.
 [[nodiscard]] std::size_t started_by_mpirun();
 
-/// Throws std::runtime_error where mpirun started several processes and this build has no MPI.
+/// Throws std::runtime_error if mpirun started several processes and this build has no MPI.
 [[nodiscard]] std::unique_ptr<Team> join_team();
 
 }  // namespace study::team

@@ -71,9 +71,9 @@ class Processes : public Team {
 }  // namespace
 
 std::unique_ptr<Team> join_team() {
-    // Without mpirun MPI is left alone: its start costs more than many a study.
+    // Without mpirun MPI is not started, since that takes longer than many a study.
     if (started_by_mpirun() > 1) return std::make_unique<Processes>();
-    return std::make_unique<Alone>();
+    return std::make_unique<SingleProcess>();
 }
 
 }  // namespace study::team

@@ -9,7 +9,7 @@ std::unique_ptr<Team> join_team() {
         throw std::runtime_error(
             "mpirun started several processes, but this program was built where MPI was not installed (libopenmpi-dev): each would do all of the "
             "work.");
-    return std::make_unique<Alone>();
+    return std::make_unique<SingleProcess>();
 }
 
 }  // namespace study::team

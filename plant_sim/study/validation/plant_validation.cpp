@@ -27,19 +27,19 @@ plant::Rig rolling(rig::RigParameters parameters, double speed_mps) {
     return rig;
 }
 
-/// A stop of the plant by prescribed pressure, remembered as far back as a window between two encoder edges may reach.
+/// A stop of the plant with prescribed pressure; its states are kept as long as a window between two encoder edges may last.
 class SimulatedStop {
   public:
-    /// At `start_s` the wheel rolls freely at `speed_mps` under `pressure_Pa`. The friction curve of the brake stays that of the
-    /// parameters' own brake-on speed.
+    /// Starts at `start_s` with the wheel rolling freely at `speed_mps` under `pressure_Pa`. The brake's friction curve is that of the parameters'
+    /// brake-on speed.
     SimulatedStop(const rig::RigParameters& parameters, double speed_mps, double start_s, double pressure_Pa)
         : rig_(rolling(parameters, speed_mps)), start_s_(start_s), given_s_(start_s), given_Pa_(pressure_Pa), pressure_Pa_(pressure_Pa) {
         rig_.start_pressure(pressure_Pa);
         remember();
     }
 
-    /// To the last whole millisecond since the start that is not after `time_s`; the pressure goes linearly to `pressure_Pa`
-    /// at `time_s`. Times must not fall.
+    /// Advances to the last whole millisecond since the start that is not after `time_s`; the pressure changes linearly to `pressure_Pa` at `time_s`.
+    /// Times must not decrease.
     void advance(double time_s, double pressure_Pa) {
         constexpr double kRounding_s = 1e-9;
         while (!rig_.standstill() && newest_s() + kStep_s <= time_s + kRounding_s) {
@@ -60,7 +60,7 @@ class SimulatedStop {
     struct Motion {
         double v_mps, omega_radps, radius_m;
     };
-    /// None where the window reaches out of what is remembered (two seconds) or before the start.
+    /// None: the window is outside of the kept two seconds, or begins before the start.
     [[nodiscard]] std::optional<Motion> mean(double from_s, double to_s) const {
         constexpr double kInstant_s = 1e-6;
         const auto a = at(from_s);
@@ -110,7 +110,7 @@ bool brakes(const antiskid::can::BusView& s) {
     return s.maneuver.arm && s.maneuver.demand_Pa > 0.0F;
 }
 
-/// The mean speed of a shaft over a window between two of its edges: like is compared with like, whatever the lag of a speed estimate.
+/// Mean speed of a shaft over a window between two of its edges, the same for both sides, so that the lag of a speed estimate does not matter.
 class ShaftSpeed {
   public:
     struct Window {
@@ -120,7 +120,7 @@ class ShaftSpeed {
 
     explicit ShaftSpeed(double teeth) : track_(2.0 * std::numbers::pi / teeth) {}
 
-    /// After every sample, at its log time.
+    /// Call after every sample, at its log time.
     void see(const antiskid::control::SpeedInput& input, double time_s) {
         if (input.received == antiskid::control::kNever) return;
         reported_.reset();
@@ -128,10 +128,10 @@ class ShaftSpeed {
             reported_ = {time_s, time_s, static_cast<double>(input.speed_radps)};
         else
             track_.update(input.edge_count, input.edge_time, time_s);
-        if (track_.news() == 1) restart();
+        if (track_.edge_updates() == 1) restart();
     }
 
-    /// From the end of the last window to the newest edge; none while no edge has come since.
+    /// Window from the end of the previous one to the newest edge; none: no new edge.
     [[nodiscard]] std::optional<Window> take() {
         if (reported_) return reported_;
         const double length_s = track_.stamp_s() - from_stamp_s_;
@@ -184,7 +184,7 @@ class Validator {
   private:
     [[nodiscard]] double pressure_Pa() const { return static_cast<double>(signals_.view().pressure.pressure_Pa); }
 
-    /// Up to brake-on; the speed there is that of the last whole window before it.
+    /// Advances to brake-on; the speed there is that of the last whole window before it.
     bool roll() {
         double window_end_s = 0.0;
         while (signals_.next()) {

@@ -1,4 +1,4 @@
-#include "rig_bridge/record/work_books.hpp"
+#include "rig_bridge/record/work_balance.hpp"
 
 namespace rig::record {
 
@@ -11,7 +11,7 @@ Work& Work::operator+=(const Work& other) {
     return *this;
 }
 
-bool WorkBooks::add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds) {
+bool WorkBalance::add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds) {
     now_s_ = time_s;
     since_knot_ += by_speeds;
     if (time_s - heard_s_ > kSilent_s) {
@@ -28,13 +28,13 @@ bool WorkBooks::add(double time_s, CellReading reading, const Work& by_cells, co
     return time_s - back_s_ >= kBack_s && close();
 }
 
-Work WorkBooks::by_speeds() const {
+Work WorkBalance::by_speeds() const {
     Work work = closed_;
     if (silent_) work += since_knot_;
     return work;
 }
 
-bool WorkBooks::close() {
+bool WorkBalance::close() {
     closed_ = by_speeds();
     closed_s_ = silent_s();
     silent_ = back_ = false;

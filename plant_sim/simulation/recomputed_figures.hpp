@@ -1,4 +1,4 @@
-/// Figures and warnings that are made again from the recording of a finished maneuver, against those of its summary and of the ledger.
+/// Recomputes figures and warnings from the recordings of finished maneuvers, and compares them with summary and ledger.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,12 @@
 
 namespace plant_sim::simulation {
 
-class RemadeFigures {
+class RecomputedFigures {
   public:
     /// `setup` must outlive it.
-    RemadeFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const SimulatedDisk> disk) : setup_(setup), disk_(std::move(disk)) {}
+    RecomputedFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const SimulatedDisk> disk) : setup_(setup), disk_(std::move(disk)) {}
 
-    /// Which rows have others, of those that were not looked at before.
+    /// Rows that differ, as text. Checks only rows that no earlier call has checked.
     [[nodiscard]] std::vector<std::string> check(std::span<const rig::record::LedgerRow> rows);
 
   private:

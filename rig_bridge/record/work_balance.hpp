@@ -29,9 +29,9 @@ struct Work {
 /// State of the load cell values in one step.
 enum class CellReading : std::uint8_t { none, repeated, fresh };
 
-class WorkBooks {
+class WorkBalance {
   public:
-    explicit WorkBooks(double time_s = 0.0) : heard_s_(time_s), knot_s_(time_s) {}
+    explicit WorkBalance(double time_s = 0.0) : heard_s_(time_s), knot_s_(time_s) {}
 
     /// Adds a step up to `time_s`, which must not decrease: `by_cells` since the newest knot, `by_speeds` since the last step. True: new knot.
     bool add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds);

@@ -1,20 +1,20 @@
-#include "plant_sim/simulation/remade_figures.hpp"
+#include "plant_sim/simulation/recomputed_figures.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "plant_sim/simulation/campaign_books.hpp"
+#include "plant_sim/simulation/campaign_audit.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
 
 namespace plant_sim::simulation {
 
-std::vector<std::string> RemadeFigures::check(std::span<const rig::record::LedgerRow> rows) {
+std::vector<std::string> RecomputedFigures::check(std::span<const rig::record::LedgerRow> rows) {
     std::vector<std::string> wrong;
     for (const rig::record::LedgerRow& row : rows) {
         if (row.state != rig::record::RowState::finished || !seen_.insert(row.attempt.folder).second) continue;
-        const PassingFile file(disk_->bytes(row.attempt.folder / "bus.log"));
+        const MemoryFile file(disk_->bytes(row.attempt.folder / "bus.log"));
         rig::replay::LogWarnings warnings("bus.log", {});
         const rig::replay::MeteredLog made = rig::replay::meter_log(file.path(), setup_.layout, setup_.meter, rig::replay::LogEnd::closed, warnings);
         const rig::record::Summary written = rig::record::read_summary(row.attempt.folder / "summary.json", *disk_);

@@ -8,12 +8,12 @@ using namespace antiskid::can;
 
 namespace {
 
-constexpr Reach kReach{.pressure_Pa = 20.7e6, .current_mA = 40.0};
+constexpr RequiredRange kRequired{.pressure_Pa = 20.7e6, .current_mA = 40.0};
 
-Layout with(const std::string& from, const std::string& to, const Reach& reach = kReach) {
+Layout with(const std::string& from, const std::string& to, const RequiredRange& required = kRequired) {
     const can_test::TempDir dir;
     return load_layout(dir.write("a.dbc", can_test::replaced(can_test::contents("config/antiskid.dbc"), from, to)),
-                       dir.write("a.toml", can_test::contents("config/antiskid_binding.toml")), reach);
+                       dir.write("a.toml", can_test::contents("config/antiskid_binding.toml")), required);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "plant_sim/simulation/campaign_books.hpp"
+#include "plant_sim/simulation/campaign_audit.hpp"
 
 #include <fmt/format.h>
 #include <sys/mman.h>
@@ -24,14 +24,14 @@ using rig::record::RowState;
 
 namespace {
 
-/// A log has microseconds.
+/// Times in a log are in microseconds.
 bool same(const Frame& a, const Frame& b) {
     return a.id == b.id && a.length == b.length && a.data == b.data && a.received.count() / 1000 == b.received.count() / 1000;
 }
 
 }  // namespace
 
-PassingFile::PassingFile(std::string_view bytes) : file_(::memfd_create("bus.log", MFD_CLOEXEC)) {
+MemoryFile::MemoryFile(std::string_view bytes) : file_(::memfd_create("bus.log", MFD_CLOEXEC)) {
     while (!bytes.empty()) {
         const ssize_t count = ::write(file_.get(), bytes.data(), bytes.size());
         if (count <= 0) throw std::system_error(errno, std::generic_category(), "a file in memory");
@@ -39,29 +39,29 @@ PassingFile::PassingFile(std::string_view bytes) : file_(::memfd_create("bus.log
     }
 }
 
-std::string PassingFile::path() const {
+std::string MemoryFile::path() const {
     return fmt::format("/proc/self/fd/{}", file_.get());
 }
 
-CampaignBooks::CampaignBooks(std::shared_ptr<const SimulatedDisk> disk, Reading reading) : disk_(std::move(disk)), reading_(std::move(reading)) {}
+CampaignAudit::CampaignAudit(std::shared_ptr<const SimulatedDisk> disk, Reading reading) : disk_(std::move(disk)), reading_(std::move(reading)) {}
 
-void CampaignBooks::synced(const Attempt& attempt) {
+void CampaignAudit::synced(const Attempt& attempt) {
     Known& known = of(attempt);
     if (disk_->runs()) known.synced = known.frames.size();
 }
 
-void CampaignBooks::finished(const Attempt& attempt, double counted_J) {
+void CampaignAudit::finished(const Attempt& attempt, double counted_J) {
     if (!disk_->runs()) return;
     Known& known = of(attempt);
     known.finished = true;
     known.finished_J = counted_J;
 }
 
-ReadLog CampaignBooks::read(const Attempt& attempt) {
+ReadLog CampaignAudit::read(const Attempt& attempt) {
     Known& known = of(attempt);
     const std::string_view bytes = disk_->bytes(attempt.folder / "bus.log");
     if (known.log_read && bytes == known.log_bytes) return known.log;
-    const PassingFile file(bytes);
+    const MemoryFile file(bytes);
     rig::replay::LogWarnings warnings("bus.log", {});
     rig::replay::LogReader reader(file.path(), {}, warnings);
     ReadLog log;
@@ -75,7 +75,7 @@ ReadLog CampaignBooks::read(const Attempt& attempt) {
     return known.log;
 }
 
-std::vector<std::string> CampaignBooks::check() {
+std::vector<std::string> CampaignAudit::check() {
     violations_.clear();
     rows_.clear();
     if (read_rows()) {
@@ -85,7 +85,7 @@ std::vector<std::string> CampaignBooks::check() {
     return std::exchange(violations_, {});
 }
 
-bool CampaignBooks::read_rows() {
+bool CampaignAudit::read_rows() {
     const bool said = std::any_of(known_.begin(), known_.end(), [](const auto& one) { return one.second.begun; });
     try {
         const rig::record::LedgerOptions plain{.busy_timeout_ms = 0, .storage = disk_};
@@ -102,7 +102,7 @@ bool CampaignBooks::read_rows() {
     }
 }
 
-void CampaignBooks::check_rows() {
+void CampaignAudit::check_rows() {
     std::set<std::int64_t> finished;
     double sum_J = 0.0;
     for (const LedgerRow& row : rows_) {
@@ -118,7 +118,7 @@ void CampaignBooks::check_rows() {
     }
 }
 
-void CampaignBooks::check_folder(const LedgerRow& row, const std::string& what) {
+void CampaignAudit::check_folder(const LedgerRow& row, const std::string& what) {
     const bool counts = row.state == RowState::finished;
     const Known& known = of(row.attempt);
     if (std::filesystem::exists(disk_->status(row.attempt.folder / "summary.json"))) {
@@ -143,13 +143,13 @@ void CampaignBooks::check_folder(const LedgerRow& row, const std::string& what) 
     if (log.steps_back != 0 && !log.damage_named) violated(fmt::format("{}: the time stamps of its recording go back", what));
 }
 
-void CampaignBooks::check_known(const std::string& folder, Known& known) {
+void CampaignAudit::check_known(const std::string& folder, Known& known) {
     const auto row = std::find_if(rows_.begin(), rows_.end(), [&](const LedgerRow& one) { return one.attempt.folder == folder; });
     if (row == rows_.end()) {
         if (known.begun) violated(folder + ": begun, and the ledger knows nothing of it");
         return;
     }
-    // The next start may adopt it by its summary.json.
+    // The next start may enter the maneuver by its summary.json.
     if (std::exchange(known.entry_refused, false) && row->state == RowState::finished) violated(folder + ": refused by the ledger, and entered");
     if (known.finished && row->state != RowState::finished) violated(folder + ": said to be finished, and the ledger does not say so");
     if (known.finished && row->counted_J != known.finished_J) violated(folder + ": its energy is another one");

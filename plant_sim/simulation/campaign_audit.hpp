@@ -1,4 +1,4 @@
-/// What the programs of a campaign were told and have said, held against what a disk has of it.
+/// Compares what the programs of a campaign were told and have reported with the contents of a disk.
 #pragma once
 
 #include <cstdint>
@@ -17,48 +17,48 @@
 
 namespace plant_sim::simulation {
 
-/// Of a simulated campaign, and where its ledger is.
+/// Name of a simulated campaign, and path of its ledger.
 inline constexpr const char* kSimulatedCampaign = "endurance";
 inline constexpr const char* kSimulatedLedger = "/runs/brake7/campaign.sqlite";
 
-/// What the log reader says of a bus.log.
+/// Result of reading a bus.log.
 struct ReadLog {
     std::uint64_t frames = 0;
-    std::uint64_t in_order = 0;  ///< from the first on, as they were written
+    std::uint64_t in_order = 0;  ///< number of leading frames that are those written, in their order
     std::uint64_t steps_back = 0;
     bool damage_named = false;
 };
 
-/// A file in memory with a path: the log reader opens its logs by itself.
-class PassingFile {
+/// A file in memory with a path, for the log reader, which opens its logs itself.
+class MemoryFile {
   public:
-    /// Throws std::system_error when there is no memory for it.
-    explicit PassingFile(std::string_view bytes);
+    /// Throws std::system_error if there is no memory for it.
+    explicit MemoryFile(std::string_view bytes);
     [[nodiscard]] std::string path() const;
 
   private:
     settings::FileDescriptor file_;
 };
 
-class CampaignBooks {
+class CampaignAudit {
   public:
-    /// What is believed of a log.
+    /// Replaces the result of reading a log.
     using Reading = std::function<ReadLog(ReadLog)>;
 
-    explicit CampaignBooks(std::shared_ptr<const SimulatedDisk> disk, Reading reading = {});
+    explicit CampaignAudit(std::shared_ptr<const SimulatedDisk> disk, Reading reading = {});
 
-    /// Of one attempt. What a program does once its disk no longer runs, it does not do.
+    /// Known facts of one attempt. Reports of a program whose disk has stopped do not count.
     struct Known {
         std::vector<antiskid::can::Frame> frames{};  ///< recorded
-        std::uint64_t synced = 0;                    ///< of them on the disk, as the recorder was told
-        bool begun = false;                          ///< the ledger said so
-        bool finished = false;                       ///< said to be finished
-        bool entry_refused = false;                  ///< the ledger refused its finish
-        double finished_J = 0.0;                     ///< with so much
-        std::set<double> measured_J{};               ///< by whoever measured it, live or from its log
+        std::uint64_t synced = 0;                    ///< number of them on the disk, as reported to the recorder
+        bool begun = false;                          ///< the ledger has confirmed it
+        bool finished = false;                       ///< reported as finished
+        bool entry_refused = false;                  ///< the ledger has rejected the maneuver's end
+        double finished_J = 0.0;                     ///< energy in that report
+        std::set<double> measured_J{};               ///< every energy measured, live or from its log
         bool log_read = false;
-        std::string log_bytes{};  ///< as they were then
-        ReadLog log{};            ///< what was found
+        std::string log_bytes{};  ///< contents at that time
+        ReadLog log{};            ///< result of that reading
     };
     [[nodiscard]] Known& of(const rig::record::Attempt& attempt) { return known_[attempt.folder.string()]; }
     void begun(const rig::record::Attempt& attempt) { of(attempt).begun = disk_->runs(); }
@@ -68,11 +68,11 @@ class CampaignBooks {
 
     [[nodiscard]] ReadLog read(const rig::record::Attempt& attempt);
 
-    /// What does not hold, by the disk as it is now and nobody's storage in between.
+    /// Violations of the invariants by the disk's present contents, which are read without the tested programs' storage.
     [[nodiscard]] std::vector<std::string> check();
-    /// As check() last found them.
+    /// Rows that the last check() read.
     [[nodiscard]] const std::vector<rig::record::LedgerRow>& rows() const { return rows_; }
-    [[nodiscard]] std::uint64_t damaged() const { return damaged_; }  ///< logs of which the reader says so, each time that it looked
+    [[nodiscard]] std::uint64_t damaged() const { return damaged_; }  ///< number of readings of logs that reported damage
 
   private:
     [[nodiscard]] bool read_rows();
