@@ -98,8 +98,8 @@ void TestCell::period(const rig::Outputs& outputs, rig::record::Meter& meter, co
     sample.emergency_stop = from_bridge.emergency_stop;
     if (metered(outputs.phase)) measure(outputs.phase, sample, meter);
     const antiskid::control::Sensors& sensed = link_.sense(sample, now_);
-    wheel_.update(sensed.wheel, now_);
-    flywheel_.update(sensed.flywheel, now_);
+    wheel_.update(sensed.wheel);
+    flywheel_.update(sensed.flywheel);
     command_ = controller_.step(sensed, now_);
     faults_.insert(command_.faults);
     const auto current_mA = static_cast<double>(link_.current_mA(command_));

@@ -47,8 +47,8 @@ void BusListener::fill(BusNow& now, Time time, bool drained, const Recording* re
     now.controller_rejected = status_.reason(now.valid_at - kLately);
     now.two_controllers = senders_.two_controllers();
     now.two_bridges = senders_.two_bridges();
-    wheel_.update(view.wheel, time);
-    flywheel_.update(view.flywheel, time);
+    wheel_.update(view.wheel);
+    flywheel_.update(view.flywheel);
     const double radius_m = parameters_.wheel_radius_m - static_cast<double>(view.load_cells.vertical_N) / parameters_.wheel_stiffness_Npm;
     now.rim_mps = flywheel_.radps() * parameters_.flywheel_radius_m;
     now.wheel_radps = wheel_.radps();

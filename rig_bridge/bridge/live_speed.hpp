@@ -1,5 +1,5 @@
 /// Speed of one shaft for view, picture and settling: mean between edges some milliseconds apart, by the sensor's clock, so that late frames have no
-/// effect. The figures of a maneuver come from the meter instead (rig_bridge/record/meter.hpp).
+/// effect. Frames without a new edge lower it; while no frame is received it stays as it is. The figures of a maneuver come from the meter instead (rig_bridge/record/meter.hpp).
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ class LiveSpeed {
   public:
     explicit LiveSpeed(double teeth) : pitch_rad_(2.0 * std::numbers::pi / teeth) {}
 
-    /// Call with the newest input; `now` is the time by this machine's clock.
-    void update(const antiskid::control::SpeedInput& input, antiskid::control::Time now) {
+    /// Call with the newest input.
+    void update(const antiskid::control::SpeedInput& input) {
         using antiskid::control::SpeedSource;
         if (input.received == antiskid::control::kNever) return;
         if (input.source == SpeedSource::speed) {
@@ -29,20 +29,20 @@ class LiveSpeed {
             started_ = true;
             radps_ = 0.0;
             begin(input);
-            new_edge_at_ = now;
+            new_edge_at_ = input.received;
             newest_count_ = input.edge_count;
             return;
         }
         if (input.edge_count != newest_count_) {
             newest_count_ = input.edge_count;
-            new_edge_at_ = now;
+            new_edge_at_ = input.received;
         }
         if (edges > 0 && length_s >= kWindow_s) {
             radps_ = static_cast<double>(edges) * pitch_rad_ / length_s;
             begin(input);
         }
-        // Without a new edge for long, speed is at most one edge in that time.
-        const double silent_s = antiskid::host::seconds(now - new_edge_at_) - kLate_s;
+        // Frames without a new edge: at most one edge in that time.
+        const double silent_s = antiskid::host::seconds(input.received - new_edge_at_) - kLate_s;
         if (silent_s > 0.0) radps_ = std::min(radps_, pitch_rad_ / silent_s);
     }
 

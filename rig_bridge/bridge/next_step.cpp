@@ -49,6 +49,8 @@ constexpr std::array<NextStep, rig::kAbortCount> kAborts{{
      "check teeth, radius and scaling of both; a hand tachometer shows which is wrong; do not brake before they agree"},
     {"two controllers, or two bridges, send on the bus",
      "find the second one (pgrep -a antiskid-contro, pgrep -a rig-bridge, other nodes) and end it; a gateway that repeats frames looks the same"},
+    {"rig-bridge itself did not read the CAN bus for too long",
+     "find out what else keeps this computer or its disk busy (top, iostat) and stop it; give rig-bridge real-time priority"},
 }};
 
 /// In the order of antiskid::control::Fault; conditions and times: docs/user/faults.md.

@@ -122,9 +122,8 @@ Drawn read_log(const std::filesystem::path& log, const antiskid::can::Layout& la
     double brake_on_s = std::numeric_limits<double>::quiet_NaN();
     while (signals.next()) {
         const antiskid::can::BusView& view = signals.view();
-        const antiskid::control::Time now(std::llround(signals.time_s() * 1e9));
-        rim.update(view.flywheel, now);
-        wheel.update(view.wheel, now);
+        rim.update(view.flywheel);
+        wheel.update(view.wheel);
         const auto at = static_cast<Phase>(view.maneuver_state.phase);
         if (at < Phase::touchdown || at > Phase::retract) continue;
         if (at == Phase::braking) {

@@ -70,9 +70,9 @@ Inputs sequencer_inputs(const modbus::Snapshot& plc, const BusNow& bus, Time now
     in.commit_rejected = plc.command == modbus::CommandState::rejected || plc.command == modbus::CommandState::unsendable;
     in.commit_late = plc.pending_s > limits.commit_s;
 
-    const bool listening = fresh(bus.valid_at, now, limits.recorder_s);
-    in.bus_up = bus.up && listening;
-    if (!listening) return in;
+    in.bus_up = bus.up;
+    in.bus_read = fresh(bus.valid_at, now, limits.recorder_s);
+    if (!in.bus_read) return in;
     in.two_senders = !bus.two_controllers.empty() || !bus.two_bridges.empty();
     const antiskid::can::BusView& v = bus.view;
     in.sensors_fresh = fresh(v.wheel.received, bus.valid_at, limits.sensors_s) && fresh(v.flywheel.received, bus.valid_at, limits.sensors_s) &&

@@ -15,7 +15,7 @@ struct Freshness {
     double commit_s = 1.0;  ///< until the PLC must have confirmed a command
     double load_cells_s = 0.1;
     double watchdog_s = 0.3;
-    double recorder_s = 0.5;  ///< of the recorder's view: beyond it the recorder hangs and no bus value is valid
+    double recorder_s = 0.5;  ///< since the recorder read the bus; after that no value from the bus is valid
 };
 
 /// Whether every interlock is read, fresh and good.

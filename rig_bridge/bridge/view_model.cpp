@@ -40,7 +40,7 @@ ViewModel view_of(const Moment& m, const Freshness& limits) {
                    : m.bus.controller_rejected.empty() ? std::string_view("silent")
                                                        : std::string_view("rejected");
     v.plc = plc_state(m);
-    v.bus = m.inputs.bus_up ? "up" : "down";
+    v.bus = !m.inputs.bus_up ? "down" : m.inputs.bus_read ? "up" : "not read";
     if (m.inputs.controller_fresh) v.faults = antiskid::can::fault_names(controller.faults);
     v.frames = m.bus.frames;
     v.dropped = m.bus.dropped;

@@ -50,6 +50,7 @@ Abort Sequencer::cause(const Inputs& in) const {
     if (in.commit_rejected || in.commit_late || (phase_ == Phase::spin_up && !sledge_back(in))) return Abort::command_rejected;
     if (in.flywheel_mps > top_speed_mps(plan_)) return Abort::overspeed;
     if (!in.bus_up) return Abort::bus_lost;
+    if (!in.bus_read) return Abort::bus_unread;
     if (in.two_senders) return Abort::two_senders;
     if (!in.controller_fresh) return Abort::controller_silent;
     if (!sensors_heard(in)) return Abort::sensors_lost;
@@ -76,10 +77,10 @@ bool Sequencer::ready(const Inputs& in) const {
            in.flywheel_mps <= set_point_mps(in) + plan_.speed_tolerance_mps;
 }
 
-/// Compares only speeds with new readings: an encoder without frames looks like a rim that slows down. An old reading of the PLC may differ by as
+/// Compares only speeds with new readings: an encoder without frames keeps its last one. An old reading of the PLC may differ by as
 /// much as a tyre can have changed the speed since.
 void Sequencer::compare_speeds(const Inputs& in, double passed_s) {
-    constexpr double kSilent_s = 0.03;      // as LiveSpeed, which then takes silence for a low speed
+    constexpr double kSilent_s = 0.03;
     constexpr double kHardest_mps2 = 12.0;  // the friction of dry asphalt, 1.17 g
     if (!plc_heard(in) || !sensors_heard(in) || in.rim_age_s > kSilent_s) return;
     const double band_mps = plan_.speed_band_mps + kHardest_mps2 * in.flywheel_age_s;

@@ -54,7 +54,7 @@ inline constexpr std::uint8_t kPhaseCount = 11;
 
 /// Why a maneuver was aborted: the first cause, except that two_senders replaces controller_silent or controller_fault if found later. Of several in
 /// one step the first in this order, nearest to the root, is taken: plc_silent, interlocks, plc_tripped, foreign_command, command_rejected,
-/// overspeed, bus_lost, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault, load_lost, brake_hot, requested,
+/// overspeed, bus_lost, bus_unread, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault, load_lost, brake_hot, requested,
 /// phase_timeout. What each means, in plain words, and what to do: next_step.hpp.
 enum class Abort : std::uint8_t {
     none,
@@ -77,8 +77,9 @@ enum class Abort : std::uint8_t {
     overspeed,          ///< the flywheel is faster than top_speed_mps(), by the PLC's reading
     speed_mismatch,     ///< PLC and encoder on the bus differ in the rim's speed for `mismatch_s`
     two_senders,        ///< two controllers, or two bridges, send on the bus
+    bus_unread,         ///< the bridge itself did not read the bus in time; nothing is known of interface, controller and sensors
 };
-inline constexpr std::uint8_t kAbortCount = 20;
+inline constexpr std::uint8_t kAbortCount = 21;
 [[nodiscard]] std::string_view name(Abort abort);
 
 /// Causes that send the emergency stop, because disarming by the maneuver command may not suffice: danger to people or machine, a wheel that may
@@ -144,7 +145,8 @@ struct Inputs {
     double load_N = 0.0;
     double brake_temperature_C = 0.0;
 
-    bool bus_up = false;
+    bool bus_up = false;         ///< CAN interface up and not bus-off
+    bool bus_read = false;       ///< by the recorder, in time; if not, nothing below is known
     bool two_senders = false;    ///< two controllers, or two bridges, send
     bool sensors_fresh = false;  ///< encoder and pressure frames
     double rim_mps = 0.0;        ///< of the flywheel, from the encoder on the bus

@@ -30,7 +30,7 @@ Moment moment() {
     m.bus = good_bus(std::chrono::seconds(1));
     m.bus.slip = 0.21;
     m.bus.view.controller.slip_reference = 0.24F;
-    m.inputs.plc_fresh = m.inputs.plc_ready = m.inputs.bus_up = m.inputs.sensors_fresh = m.inputs.controller_fresh = true;
+    m.inputs.plc_fresh = m.inputs.plc_ready = m.inputs.bus_up = m.inputs.bus_read = m.inputs.sensors_fresh = m.inputs.controller_fresh = true;
     m.inputs.emergency_stop_clear = m.inputs.hydraulics_ready = m.inputs.drive_healthy = true;
     m.inputs.wheel_on_rim = true;
     m.inputs.rim_mps = 50.0;

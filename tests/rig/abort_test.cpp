@@ -53,6 +53,7 @@ const Mishap kMishaps[] = {
          in.controller_armed = in.controller_standby = false;
      }},
     {"bus", Abort::bus_lost, [](Inputs& in) { in.bus_up = in.sensors_fresh = in.controller_fresh = false; }},
+    {"bus not read", Abort::bus_unread, [](Inputs& in) { in.bus_read = in.sensors_fresh = in.controller_fresh = false; }},
     {"stale sensors", Abort::sensors_lost, [](Inputs& in) { in.sensors_fresh = false; }},
     {"rim is no number", Abort::sensors_lost, [](Inputs& in) { in.rim_mps = kNan; }},
     {"wheel's encoder is no number", Abort::sensors_lost, [](Inputs& in) { in.wheel_radps = kNan; }},
@@ -297,7 +298,7 @@ Inputs disturbed(Inputs in, rig::Random& random, unsigned one_in) {
     };
     for (bool* flag :
          {&in.plc_fresh, &in.plc_ready, &in.commit_rejected, &in.commit_late, &in.foreign_command, &in.two_senders, &in.emergency_stop_clear,
-          &in.guard_closed, &in.hydraulics_ready, &in.drive_healthy, &in.wheel_on_rim, &in.bus_up, &in.sensors_fresh, &in.controller_fresh,
+          &in.guard_closed, &in.hydraulics_ready, &in.drive_healthy, &in.wheel_on_rim, &in.bus_up, &in.bus_read, &in.sensors_fresh, &in.controller_fresh,
           &in.controller_standby, &in.controller_armed, &in.controller_safe, &in.abort_requested}) {
         if (hit()) *flag = !*flag;
     }
@@ -310,7 +311,7 @@ Inputs disturbed(Inputs in, rig::Random& random, unsigned one_in) {
 bool danger(const Inputs& in) {
     return in.abort_requested || !in.plc_fresh || !in.plc_ready || in.commit_rejected || in.commit_late || !in.emergency_stop_clear ||
            !in.guard_closed || !in.hydraulics_ready || !in.drive_healthy || in.foreign_command || in.two_senders || in.flywheel_mps > 60.0 ||
-           !in.bus_up || !in.sensors_fresh || !in.controller_fresh || in.controller_safe || !std::isfinite(in.rim_mps) ||
+           !in.bus_up || !in.bus_read || !in.sensors_fresh || !in.controller_fresh || in.controller_safe || !std::isfinite(in.rim_mps) ||
            !std::isfinite(in.wheel_radps) || !std::isfinite(in.flywheel_mps) || !std::isfinite(in.sledge_m) || !std::isfinite(in.load_N) ||
            !std::isfinite(in.brake_temperature_C) || !std::isfinite(in.wheel_rim_mps) || !std::isfinite(in.pressure_Pa);
 }

@@ -37,7 +37,7 @@ inline Inputs healthy() {
     in.plc_fresh = in.plc_ready = true;
     in.emergency_stop_clear = in.guard_closed = in.hydraulics_ready = in.drive_healthy = true;
     in.brake_temperature_C = 20.0;
-    in.bus_up = in.sensors_fresh = in.controller_fresh = in.controller_standby = true;
+    in.bus_up = in.bus_read = in.sensors_fresh = in.controller_fresh = in.controller_standby = true;
     return in;
 }
 

@@ -25,7 +25,7 @@ from three_programs import Rig, changed, check, in_guest_memory, ledger_copy, qu
 
 PROGRAMS = ("controller", "virtual-rig", "bridge")
 # What a host does that keeps a program waiting for longer than its peers do; the maneuver is run again.
-LATENESS = {"bus_lost", "controller_silent", "sensors_lost", "plc_silent", "plc_tripped", "controller_fault"}
+LATENESS = {"bus_lost", "bus_unread", "controller_silent", "sensors_lost", "plc_silent", "plc_tripped", "controller_fault"}
 LISTEN_S = 5.0          # of each row's time: a listener of ours costs the guest a tenth of its processor
 RSS_GROWTH_KIB = 256    # from the first third to the last: allocators keep what they once had, and give nothing back
 FEWEST = 3              # maneuvers, however long they take

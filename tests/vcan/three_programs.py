@@ -42,7 +42,7 @@ def changed(text, **numbers):
 
 
 PATIENT = {
-    "bridge.toml": dict(sensors_ms=3000, controller_ms=3000, registers_ms=3000, commit_ms=5000),
+    "bridge.toml": dict(sensors_ms=3000, controller_ms=3000, recorder_ms=3000, registers_ms=3000, commit_ms=5000),
     "registers.toml": dict(plc_timeout_ms=3000, response_timeout_ms=2000, bridge_timeout_ms=2000, user_timeout_ms=1000),
 }
 
