@@ -16,8 +16,7 @@ std::string_view name(Abort abort) {
     constexpr std::array<std::string_view, kAbortCount> kNames{
         "none",        "requested",        "emergency_stop",    "guard_open",       "hydraulics_lost", "drive_fault",  "plc_silent",
         "plc_tripped", "command_rejected", "controller_silent", "controller_fault", "bus_lost",        "sensors_lost", "phase_timeout",
-        "brake_hot",   "load_lost",        "foreign_command",   "overspeed",        "speed_mismatch",  "two_senders",
-        "bus_unread"};
+        "brake_hot",   "load_lost",        "foreign_command",   "overspeed",        "speed_mismatch",  "two_senders",  "bus_unread"};
     const auto i = static_cast<std::size_t>(abort);
     return i < kNames.size() ? kNames[i] : "?";
 }

@@ -298,8 +298,8 @@ Inputs disturbed(Inputs in, rig::Random& random, unsigned one_in) {
     };
     for (bool* flag :
          {&in.plc_fresh, &in.plc_ready, &in.commit_rejected, &in.commit_late, &in.foreign_command, &in.two_senders, &in.emergency_stop_clear,
-          &in.guard_closed, &in.hydraulics_ready, &in.drive_healthy, &in.wheel_on_rim, &in.bus_up, &in.bus_read, &in.sensors_fresh, &in.controller_fresh,
-          &in.controller_standby, &in.controller_armed, &in.controller_safe, &in.abort_requested}) {
+          &in.guard_closed, &in.hydraulics_ready, &in.drive_healthy, &in.wheel_on_rim, &in.bus_up, &in.bus_read, &in.sensors_fresh,
+          &in.controller_fresh, &in.controller_standby, &in.controller_armed, &in.controller_safe, &in.abort_requested}) {
         if (hit()) *flag = !*flag;
     }
     for (double* value :
