@@ -60,7 +60,7 @@ Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSetting
     std::vector<double> ends_J = life_->ends_J(settings.limit, count, settings.seed);
     if (const PastLives past(*population_, settings.limit); past.known()) {
         out.population_probability = alike_;
-        const std::vector<double> lives_J = past_lives_J(past, c_e_J_, count);
+        const std::vector<double> lives_J = past_lives_J(past, c_e_J_, out.crossed_now, count);
         // What no brake is likely to have lasted, this one does not last either: a filter that goes astray goes far.
         for (double& end_J : ends_J) end_J = std::min(end_J, lives_J.back());
         ends_J = pooled(ends_J, lives_J, alike_);
@@ -84,9 +84,12 @@ Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSetting
     return out;
 }
 
-std::vector<double> past_lives_J(const PastLives& past, double c_e_J, std::size_t count) {
-    std::vector<double> out(count);
-    for (std::size_t i = 0; i < count; ++i) out[i] = past.life_J(c_e_J, (static_cast<double>(i) + 0.5) / static_cast<double>(count));
+std::vector<double> past_lives_J(const PastLives& past, double c_e_J, double worn, std::size_t count) {
+    std::vector<double> out(count, c_e_J);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+        if (share > worn) out[i] = past.life_J(c_e_J, (share - worn) / (1.0 - worn));
+    }
     return out;
 }
 

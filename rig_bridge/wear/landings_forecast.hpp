@@ -47,8 +47,8 @@ class LandingsForecast {
     double c_e_J_ = 0.0;
 };
 
-/// `count` equally probable lives, rising, of a brake that is not worn out at `c_e_J`.
-[[nodiscard]] std::vector<double> past_lives_J(const PastLives& past, double c_e_J, std::size_t count);
+/// `count` equally probable lives, rising, of a brake that is worn out at `c_e_J` with the probability `worn`.
+[[nodiscard]] std::vector<double> past_lives_J(const PastLives& past, double c_e_J, double worn, std::size_t count);
 /// As many values as in each of two distributions, both rising, of their mixture: `first` with the weight `share`.
 [[nodiscard]] std::vector<double> pooled(const std::vector<double>& first, const std::vector<double>& second, double share);
 

@@ -94,6 +94,23 @@ TEST_CASE("a brake of another kind is known by how it goes, and is given past li
     CHECK(brake.forecast(lives_of().mix, ask).landings == f.landings);
 }
 
+TEST_CASE("a brake whose friction is below the limit has no landing left, of whatever kind it is", "[WEAR-072]") {
+    for (const Law law : {Law::oxidation, Law::ostermeyer}) {
+        CAPTURE(law);
+        const wear::arena::Life life = wear::arena::live(law, lives_of(), lives_of().tuning);
+        wear::LandingsForecast brake(learnt_of_oxidation());
+        for (const wear::Point& point : life.campaign.points) brake.learn(point);
+        double c_e_J = life.campaign.points.back().c_e_J;
+        for (int i = 0; i < 40; ++i) brake.learn({c_e_J += lives_of().mean_energy_J(), 0.9 * lives_of().limit});
+        wear::ForecastSettings ask;
+        ask.limit = lives_of().limit;
+        ask.draws = 200;
+        const wear::Forecast f = brake.forecast(lives_of().mix, ask);
+        CHECK(f.crossed_now > 0.95);
+        CHECK(f.landings[100] == 0.0);
+    }
+}
+
 TEST_CASE("two distributions become their mixture", "[WEAR-072]") {
     const std::vector<double> life = ramp(100.0, 1.0), past = ramp(50.0, 4.0);
     CHECK(wear::pooled(life, past, 1.0) == life);
