@@ -1,5 +1,6 @@
 /// Speed of one shaft for view, picture and settling: mean between edges some milliseconds apart, by the sensor's clock, so that late frames have no
-/// effect. Frames without a new edge lower it; while no frame is received it stays as it is. The figures of a maneuver come from the meter instead (rig_bridge/record/meter.hpp).
+/// effect. Frames without a new edge lower it; while no frame is received it stays as it is. The figures of a maneuver come from the meter instead
+/// (rig_bridge/record/meter.hpp).
 #pragma once
 
 #include <algorithm>
