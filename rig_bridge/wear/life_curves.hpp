@@ -37,7 +37,8 @@ struct LifeCurves {
     double memory = 0.0;                           ///< correlation of the remembered part from one maneuver to the next, in [0, 1)
     double remembered = 0.0;                       ///< standard deviation
     double fresh = 0.0;                            ///< likewise, > 0
-    /// Exponent of the likelihood, in (0, 1]: a curve learnt from few lives is not quite that of the next brake, and its errors add up over maneuvers.
+    /// Exponent of the likelihood, in (0, 1]: a curve learnt from few lives is not quite that of the next brake, and its errors add up over
+    /// maneuvers.
     double evidence = 1.0;
     /// Of friction taken as a level that walks, seen through white noise, whatever the life: standard deviations of a step and of the noise.
     double walk = 0.0, noise = 0.0;
