@@ -1,8 +1,8 @@
 /// Searches for a glaze that has begun: log of the likelihood of a brake with the fault over that of the healthy one.
 ///
 /// A supposed glaze has taken a share of friction that grows evenly over kGrowth maneuvers. Each is a LifeFilter that goes on from the healthy one at
-/// the maneuver where the glaze is supposed to have begun, from readings divided by the share that it has left. A brake that wears out early, or whose level
-/// is not known yet, explains falling friction in both, and is evidence for neither.
+/// the maneuver where the glaze is supposed to have begun, from readings divided by the share that it has left. A brake that wears out early, or
+/// whose level is not known yet, explains falling friction in both, and is evidence for neither.
 #pragma once
 
 #include <deque>
