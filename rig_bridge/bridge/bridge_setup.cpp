@@ -27,7 +27,6 @@ Freshness load_freshness(const std::filesystem::path& file, const RegisterMap& m
     limits.registers_s = seconds("registers_ms");
     limits.recorder_s = seconds("recorder_ms");
     limits.commit_s = seconds("commit_ms");
-    limits.load_cells_s = seconds("load_cells_ms");
     limits.watchdog_s = std::chrono::duration<double>(map.plc_timeout).count();
     doc.finish();
     return limits;

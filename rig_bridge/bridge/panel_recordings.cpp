@@ -159,7 +159,7 @@ std::vector<PanelRecordings::Recorded> PanelRecordings::all() const {
     if (!with_ledger()) return in_folders();
     std::vector<Recorded> all;
     for (const record::Campaign& campaign : record::read_campaigns(ledger()))
-        for (record::LedgerRow& row : record::read_ledger(ledger(), campaign.name)) all.push_back({campaign.name, std::move(row)});
+        for (record::LedgerRow& row : record::read_ledger(ledger(), campaign.name)) all.push_back({campaign.name, std::move(row), {}});
     return all;
 }
 
@@ -178,23 +178,37 @@ std::vector<PanelRecordings::Recorded> PanelRecordings::in_folders() const {
         record::LedgerRow row;
         // Maneuvers of different campaigns may have the same number; the page tells them apart by this one.
         row.attempt = {.number = static_cast<std::int64_t>(all.size() + 1), .attempt = 1, .folder = folder};
-        row.summary = record::read_summary(folder / kSummary);
-        row.state = row.summary.outcome == name(record::RowState::finished) ? record::RowState::finished : record::RowState::aborted;
-        row.has_figures = true;
-        all.push_back({folder == folder_ ? folder.filename().string() : folder.lexically_relative(folder_).string(), std::move(row)});
+        std::string unreadable;
+        try {
+            row.summary = record::read_summary(folder / kSummary);
+            row.state = row.summary.outcome == name(record::RowState::finished) ? record::RowState::finished : record::RowState::aborted;
+            row.has_figures = true;
+        } catch (const std::exception& error) {
+            unreadable = error.what();
+        }
+        const fs::path campaign = folder == folder_ ? folder.filename() : folder.lexically_relative(folder_);
+        all.push_back({campaign.string(), std::move(row), std::move(unreadable)});
     }
     return all;
 }
 
 std::string PanelRecordings::runs() const {
     Json runs{{"runs", Json::array()}};
-    for (const Recorded& recorded : all()) runs["runs"].push_back(to_json(recorded.row, recorded.campaign));
+    for (const Recorded& recorded : all()) {
+        Json run = to_json(recorded.row, recorded.campaign);
+        if (!recorded.unreadable.empty()) {
+            run["state"] = "summary.json cannot be read";
+            run["configuration"]["notes"] = recorded.unreadable;
+        }
+        runs["runs"].push_back(std::move(run));
+    }
     return settings::json_line(runs);
 }
 
 std::string PanelRecordings::run(const std::string& campaign, std::int64_t number, std::int64_t attempt) const {
-    for (const auto& [of, row] : all()) {
+    for (const auto& [of, row, unreadable] : all()) {
         if (of != campaign || row.attempt.number != number || row.attempt.attempt != attempt) continue;
+        if (!unreadable.empty()) throw std::runtime_error(unreadable);
         const std::filesystem::path log = replay::log_in(row.attempt.folder);
         if (log.empty()) throw std::runtime_error(row.attempt.folder.string() + ": has no bus.log: this maneuver was not recorded on a bus");
         const std::lock_guard one(reading_);

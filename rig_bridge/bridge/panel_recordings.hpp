@@ -26,7 +26,7 @@ class PanelRecordings {
     /// Whether there is a ledger, so that notes can be kept.
     [[nodiscard]] bool with_ledger() const;
     /// Every attempt of every campaign: {"runs":[{campaign, number, attempt, state, configuration, figures, notes, ...}]}. Without a ledger
-    /// `campaign` is the maneuver's folder and `number` its place in the list.
+    /// `campaign` is the maneuver's folder and `number` its place in the list; the notes of one whose summary.json cannot be read say why.
     [[nodiscard]] std::string runs() const;
     /// {"columns":{...},"asked":{...}} out of its bus log: signals, and what the controller was told to do. One call at a time, to leave processor
     /// time to a recording bridge. Throws if there is no such attempt or no log of it.
@@ -39,6 +39,7 @@ class PanelRecordings {
     struct Recorded {
         std::string campaign;
         record::LedgerRow row;
+        std::string unreadable;  // why its summary.json cannot be read; then the row has but attempt and folder
     };
     [[nodiscard]] std::filesystem::path ledger() const { return folder_ / "campaign.sqlite"; }
     [[nodiscard]] std::vector<Recorded> all() const;

@@ -194,12 +194,14 @@ class Overlay {
 }
 
 // Rows that differ are marked; the second column on says by how much.
-function compare(table, runs, rows) {
+// Rows of all keys that any of the runs has in these parts.
+function compare(table, runs, parts) {
   table.replaceChildren();
   if (!runs.length) return;
   const head = make('tr');
   head.append(make('th', ''), ...runs.map(r => make('th', r.name)));
   table.append(head);
+  const rows = parts.flatMap(part => [...new Set(runs.flatMap(r => Object.keys(r[part])))].map(key => [key, runs.map(r => r[part][key])]));
   for (const [label, values] of rows) {
     const differs = values.some(v => v !== values[0]);
     const row = make('tr', undefined, { class: differs ? 'differs' : '' });

@@ -29,8 +29,12 @@ void Pixel::add(const LiveSample& sample) {
     ++samples_;
 }
 
+std::int64_t Pixel::time_ms() const {
+    return std::llround(1e3 * last_.time_s);
+}
+
 std::string Pixel::json() const {
-    std::string out = fmt::format("{{\"t\":{:.3f},\"v\":[", last_.time_s);
+    std::string out = fmt::format("{{\"t\":{:.3f},\"v\":[", 1e-3 * static_cast<double>(time_ms()));
     for (std::size_t i = 0; i < kSignals; ++i) {
         out += i == 0 ? "[" : ",[";
         put(out, least_.value[i] * kChannels[i].scale);
@@ -51,9 +55,12 @@ void LiveFeed::state(Text text, double now_s) {
 }
 
 void LiveFeed::collect(const Publish& publish) {
-    Pixel pixel;
-    for (LiveSample sample; ring_.pop(sample);) pixel.add(sample);
-    if (!pixel.empty()) publish("pixel", pixel.json());
+    for (LiveSample sample; ring_.pop(sample);) pixel_.add(sample);
+    if (!pixel_.empty() && pixel_.time_ms() != published_ms_) {
+        publish("pixel", pixel_.json());
+        published_ms_ = pixel_.time_ms();
+        pixel_ = {};
+    }
     if (const auto state = states_ ? states_() : std::nullopt) publish("state", *state);
     Text text;
     {

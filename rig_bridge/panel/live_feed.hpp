@@ -54,6 +54,8 @@ class Pixel {
   public:
     void add(const LiveSample& sample);
     [[nodiscard]] bool empty() const { return samples_ == 0; }
+    /// Of the last sample, as json() writes it.
+    [[nodiscard]] std::int64_t time_ms() const;
     /// {"t":1.02,"v":[[min,max,last],...]} in the channels' units; null for unknown values.
     [[nodiscard]] std::string json() const;
 
@@ -79,12 +81,15 @@ class LiveFeed {
     void state(Text text, double now_s);
 
     using Publish = std::function<void(std::string_view event, const std::string& data)>;
-    /// For the reader: publishes one pixel of all samples since the last call, and the states if there are new ones.
+    /// For the reader: publishes one pixel of all samples since the last pixel, unless their time is still that pixel's (the clock of a bus may
+    /// stand still), and the states if there are new ones.
     void collect(const Publish& publish);
 
   private:
     static constexpr double kState_s = 0.1;
     antiskid::host::SpscRing<LiveSample, 4096> ring_;
+    Pixel pixel_;
+    std::optional<std::int64_t> published_ms_;
     double next_state_s_ = 0.0;
     States states_;
     std::mutex mutex_;

@@ -27,7 +27,10 @@ function live() {
     due = false;
     if (!pixels.length || byId('live').hidden) return;
     const now = pixels[pixels.length - 1].t;
-    boxes.forEach((box, i) => { box.value.textContent = number(pixels[pixels.length - 1].v[i][2]) + box.unit; });
+    boxes.forEach((box, i) => {
+      const value = pixels[pixels.length - 1].v[i][2];
+      box.value.textContent = number(finite(value) ? +value.toFixed(3) : value) + box.unit;  // a tile holds no more digits
+    });
     for (const chart of charts.all) {
       const shown = chart.channels.map(c => about.channels.indexOf(c)).filter(i => pixels.some(p => p.v[i][2] !== null));
       const rows = pixels.map(p => [p.t, ...shown.map(i => [p.v[i][0], p.v[i][2], p.v[i][1]])]);
@@ -108,10 +111,7 @@ async function recorded() {
     const of = run => list.some(r => r.campaign !== run.campaign) ? run.campaign + ' ' : '';
     runs.forEach(run => { run.name = `${of(run)}${run.number}${run.attempt > 1 ? '.' + run.attempt : ''}`; });
     overlay.draw(runs);
-    const rows = runs.length ? Object.keys(runs[0].configuration).map(key => [key, runs.map(r => r.configuration[key])])
-      .concat(Object.keys(runs[0].asked).map(key => [key, runs.map(r => r.asked[key])]))
-      .concat(Object.keys(runs[0].figures).map(key => [key, runs.map(r => r.figures[key])])) : [];
-    compare(byId('differences'), runs, rows);
+    compare(byId('differences'), runs, ['configuration', 'asked', 'figures']);
     const last = runs[runs.length - 1];
     show(byId('note'), Boolean(last) && about.changes.includes('note'));
     byId('note_of').textContent = last ? 'maneuver ' + last.name : '';
@@ -169,7 +169,7 @@ function whatIf() {
   const draw = () => {
     const runs = kept.concat(current || []);
     overlay.draw(runs);
-    compare(byId('what_if_figures'), runs, runs.length ? Object.keys(runs[0].figures).map(key => [key, runs.map(r => r.figures[key])]) : []);
+    compare(byId('what_if_figures'), runs, ['figures']);
   };
   // One at a time; what was dragged meanwhile is run next.
   const run = async () => {

@@ -16,6 +16,9 @@
 
 namespace rig::record {
 
+/// The bridge repeats a reading of the load cells on the bus for this time at most; a PLC may take as long between two counts of its plc_watchdog.
+inline constexpr double kRepeated_s = 0.1;
+
 struct Work {
     double brake_J = 0.0;
     double tyre_J = 0.0;
@@ -45,7 +48,6 @@ class WorkBalance {
 
   private:
     static constexpr double kSilent_s = 0.1;    // ten frames
-    static constexpr double kRepeated_s = 0.1;  // load_cells_ms of bridge.toml: an old reading is repeated for this time
     static constexpr double kBack_s = 0.03;
 
     bool close();

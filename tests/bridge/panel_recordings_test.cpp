@@ -1,6 +1,8 @@
 // Recorded maneuvers as the panel asks for them. [STUDY-190]
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <string>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/settings/error.hpp"
@@ -65,6 +67,26 @@ TEST_CASE("maneuvers without a ledger are their folders with a summary", "[STUDY
     const PanelRecordings one(folder / "a" / "", "config", layout);
     CHECK(settings::parse_json(one.runs())["runs"].at(0)["figures"]["length, m"] == 100.0);
     std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("a damaged summary.json is named, and hides no other maneuver", "[STUDY-190]") {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "panel_damaged_test";
+    std::filesystem::remove_all(folder);
+    for (const char* const place : {"a", "b"}) std::filesystem::create_directories(folder / place);
+    std::ofstream(folder / "a/summary.json") << R"({"campaign": "c",)";
+    rig::record::Summary summary;
+    summary.number = 1;
+    summary.scenario = "heavy";
+    summary.outcome = "finished";
+    rig::record::write_summary(folder / "b/summary.json", summary);
+    const PanelRecordings recordings(folder, "config", antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml"));
+    const auto runs = settings::parse_json(recordings.runs())["runs"];
+    REQUIRE(runs.size() == 2);
+    CHECK(runs[0]["state"] == "summary.json cannot be read");
+    CHECK_THAT(runs[0]["configuration"]["notes"].get<std::string>(), Catch::Contains("a/summary.json"));
+    CHECK(runs[0]["figures"].empty());
+    CHECK(runs[1]["state"] == "finished");
+    CHECK_THROWS_WITH(recordings.run("a", 1, 1), Catch::Contains("a/summary.json"));
 }
 
 TEST_CASE("attempts of a ledger, and a note to one", "[STUDY-190]") {

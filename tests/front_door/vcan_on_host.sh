@@ -12,6 +12,9 @@ killed 137
 timed out 124
 interrupted 9
 running
-left: 0 processes, 0 files"
+left: 0 processes, 0 files
+port reached
+taken 125
+ended 143"
 expect "standard error" "$(cat "$scratch/err")" "err"
 check "nothing is left" eventually 5 nothing_left

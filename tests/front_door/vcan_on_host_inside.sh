@@ -27,3 +27,17 @@ for _ in {1..50}; do
     sleep 0.1
 done
 echo "left: $(pgrep -fc 'sleep 123456|guard') processes, $(find "$TMPDIR" -mindepth 1 | wc -l) files"
+
+# shellcheck disable=SC2016
+"$rig" vcan --port 8433 -- bash -c 'cd "$0" && exec /usr/bin/python3 -m http.server 8433 --bind 127.0.0.1' "$scratch" >/dev/null 2>&1 &
+echo reached >"$scratch/page"
+for _ in {1..100}; do
+    page=$(/usr/bin/python3 -c 'import urllib.request as u; print(u.urlopen("http://127.0.0.1:8433/page").read().decode())' 2>/dev/null) && break
+    sleep 0.1
+done
+echo "port $page"
+"$rig" vcan --port 8433 -- true 2>/dev/null
+echo "taken $?"
+kill -TERM $!
+wait $!
+echo "ended $?"

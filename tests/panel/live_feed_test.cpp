@@ -48,6 +48,24 @@ TEST_CASE("a pixel keeps the least, the greatest and the last of its samples", "
     CHECK(collected(feed).empty());
 }
 
+TEST_CASE("while the clock stands still, samples wait for the next pixel", "[BRG-520]") {
+    LiveFeed feed;
+    feed.sample(sample(1.0, 0.2));
+    REQUIRE(collected(feed).size() == 1);
+    feed.sample(sample(1.0, 0.9));
+    CHECK(collected(feed).empty());
+    feed.sample(sample(1.0004, 0.1));
+    CHECK(collected(feed).empty());  // the page reads milliseconds
+    feed.sample(sample(1.001, 0.3));
+    const Events later = collected(feed);
+    REQUIRE(later.size() == 1);
+    const auto pixel = settings::parse_json(later[0].second);
+    CHECK(pixel["t"] == 1.001);
+    CHECK(pixel["v"][static_cast<std::size_t>(Signal::slip)] == settings::Json({0.1, 0.9, 0.3}));
+    feed.sample(sample(0.5, 0.3));  // another program with a clock of its own
+    CHECK(collected(feed).size() == 1);
+}
+
 TEST_CASE("states are due ten times a second, and come once", "[BRG-520]") {
     LiveFeed feed;
     CHECK(feed.state_due(5.0));

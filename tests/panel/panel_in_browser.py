@@ -7,7 +7,6 @@ and a runway draw a stop; pages at 1280 and 400 pixels. [BRG-520] [BRG-521] [STU
 PANEL_KEEP=FOLDER keeps pictures of the pages.
 """
 import contextlib
-import os
 import pathlib
 import re
 import signal
@@ -17,10 +16,10 @@ import tempfile
 import time
 
 from selenium import webdriver
-from selenium.common.exceptions import TimeoutException
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
-from selenium.webdriver.support.ui import Select, WebDriverWait
+from selenium.webdriver.support.ui import Select
+
+from browser import browser, picture, sized, text, wait
 
 NOTE = "<img src=x onerror=\"document.title='taken over'\"> tread cut"
 good = True
@@ -33,22 +32,6 @@ def check(name, right, detail=""):
 
 
 @contextlib.contextmanager
-def browser(folder):
-    options = webdriver.ChromeOptions()
-    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--disable-background-networking",
-                 "--disable-component-update", "--autoplay-policy=no-user-gesture-required",
-                 "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    options.add_experimental_option("prefs", {"download.default_directory": str(folder)})
-    driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
-    try:
-        yield driver
-    finally:
-        driver.quit()
-
-
-@contextlib.contextmanager
 def program(*command):
     process = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, text=True)
     try:
@@ -57,30 +40,6 @@ def program(*command):
     finally:
         process.send_signal(signal.SIGTERM)
         process.wait(10)
-
-
-def wait(driver, what, seconds=20):
-    try:
-        return WebDriverWait(driver, seconds, poll_frequency=0.05).until(what)
-    except TimeoutException:
-        print("the page says:", text(driver, "said"), [e["message"] for e in driver.get_log("browser")])
-        picture(driver, "failed")
-        raise
-
-
-def text(driver, name):
-    return driver.find_element(By.ID, name).text
-
-
-def sized(driver, width, height=1000):
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
-
-
-def picture(driver, name):
-    kept = os.environ.get("PANEL_KEEP")
-    if kept:
-        pathlib.Path(kept).mkdir(parents=True, exist_ok=True)
-        driver.save_screenshot(f"{kept}/{name}.png")
 
 
 def fits(driver, name):

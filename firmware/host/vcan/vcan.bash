@@ -6,13 +6,15 @@ vcan_help() {
 Runs a command where a real CAN interface vcan0 is up, its own for each run: in network and process namespaces where this
 machine's kernel has vcan, else in a user-mode Linux guest (one virtual CPU on one core) that works on this machine's files.
 
-  ./rig vcan [--timeout S] [--kernel auto|host|user-mode] [--disk IMAGE] -- CMD ARGS...
+  ./rig vcan [--timeout S] [--kernel auto|host|user-mode] [--disk IMAGE] [--port N] -- CMD ARGS...
 
   ./rig vcan -- ip -details link show vcan0
   ./rig vcan --timeout 10 -- bash -c 'candump -n 1 vcan0 & sleep 0.5; cansend vcan0 123#DEADBEEF; wait'
+  ./rig vcan --port 8410 -- build/release/bin/virtual-rig serve --can vcan0 --scenario config/scenarios/heavy.toml --panel
 
 Directory, environment, standard output and error, and exit status (128+n for signal n) are those of the command; standard
-input is empty; /dev/shm is fresh; there is no other network. When the command ends, so does all that it has started.
+input is empty; /dev/shm is fresh; there is no other network. With --port what
+listens at 127.0.0.1:N there is reached at 127.0.0.1:N here. When the command ends, so does all that it has started.
 SIGINT, SIGTERM, SIGHUP and SIGQUIT go to the command's process group; SIGKILL follows after 5 s, a second signal ends all at
 once. With --disk it is a guest, and the file IMAGE its block device /dev/ubda. In a guest the command sees itself as root, and standard
 output and error are files that are copied out as they grow.
