@@ -1,6 +1,6 @@
 /// Speed of one shaft for view, picture and settling: mean between edges some milliseconds apart, by the sensor's clock, so that late frames have no
-/// effect. Frames without a new edge lower it; while no frame is received it stays as it is. The figures of a maneuver come from the meter instead
-/// (rig_bridge/record/meter.hpp).
+/// effect. Frames without a new edge lower it. While no frame is received it stays as it is, and the frame after such a pause does not lower it. The
+/// figures of a maneuver come from the meter instead (rig_bridge/record/meter.hpp).
 #pragma once
 
 #include <algorithm>
@@ -30,20 +30,20 @@ class LiveSpeed {
             started_ = true;
             radps_ = 0.0;
             begin(input);
-            new_edge_at_ = input.received;
+            silence_ = kNone;
+            received_ = input.received;
             newest_count_ = input.edge_count;
             return;
         }
-        if (input.edge_count != newest_count_) {
-            newest_count_ = input.edge_count;
-            new_edge_at_ = input.received;
-        }
+        silence_ = input.edge_count == newest_count_ ? silence_ + std::clamp(input.received - received_, kNone, kLate) : kNone;
+        received_ = input.received;
+        newest_count_ = input.edge_count;
         if (edges > 0 && length_s >= kWindow_s) {
             radps_ = static_cast<double>(edges) * pitch_rad_ / length_s;
             begin(input);
         }
         // Frames without a new edge: at most one edge in that time.
-        const double silent_s = antiskid::host::seconds(input.received - new_edge_at_) - kLate_s;
+        const double silent_s = antiskid::host::seconds(silence_ - kLate);
         if (silent_s > 0.0) radps_ = std::min(radps_, pitch_rad_ / silent_s);
     }
 
@@ -51,8 +51,9 @@ class LiveSpeed {
 
   private:
     static constexpr double kWindow_s = 0.005;
-    static constexpr double kLate_s = 0.03;              // normal delay of a frame
-    static constexpr std::uint32_t kMaxEdges = 1 << 20;  // more edges mean another sensor, or a restarted one
+    static constexpr antiskid::control::Time kNone{0};
+    static constexpr antiskid::control::Time kLate{30'000'000};  // normal delay of a frame; a longer pause is not the sensor's
+    static constexpr std::uint32_t kMaxEdges = 1 << 20;          // more edges mean another sensor, or a restarted one
 
     void begin(const antiskid::control::SpeedInput& input) {
         from_count_ = input.edge_count;
@@ -64,7 +65,8 @@ class LiveSpeed {
     std::uint32_t from_count_ = 0;
     std::uint32_t newest_count_ = 0;
     antiskid::control::Time from_time_{};
-    antiskid::control::Time new_edge_at_{};
+    antiskid::control::Time received_{};
+    antiskid::control::Time silence_{};  // of the edges, in frames that were received
     double radps_ = 0.0;
 };
 

@@ -13,7 +13,7 @@ struct Freshness {
     double registers_s = 0.5;
     double sensors_s = 0.3;
     double controller_s = 0.3;
-    double commit_s = 1.0;  ///< until the PLC must have confirmed a command
+    double commit_s = 1.0;                      ///< until the PLC must have confirmed a command
     double load_cells_s = record::kRepeated_s;  ///< older readings, and those of a PLC whose plc_watchdog stands still for so long, stay off the bus
     double watchdog_s = 0.3;
     double recorder_s = 0.5;  ///< since the recorder read the bus; after that no value from the bus is valid

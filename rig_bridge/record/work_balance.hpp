@@ -47,7 +47,7 @@ class WorkBalance {
     [[nodiscard]] double silent_s() const { return closed_s_ + (silent_ ? now_s_ - knot_s_ : 0.0); }
 
   private:
-    static constexpr double kSilent_s = 0.1;    // ten frames
+    static constexpr double kSilent_s = 0.1;  // ten frames
     static constexpr double kBack_s = 0.03;
 
     bool close();

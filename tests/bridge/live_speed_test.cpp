@@ -51,9 +51,12 @@ TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-420]") {
     rig::bridge::LiveSpeed speed(kTeeth);
     for (int i = 0; i < 1000; ++i) speed.update(shaft(100.0, i * 1e-3));
     SpeedInput last = shaft(100.0, 0.999);
-    const auto repeated = [&](double after_s) {
-        last.received = at(0.999 + after_s);
-        speed.update(last);
+    int ms = 0;
+    const auto repeated = [&](double until_s) {
+        while (ms < std::lround(1e3 * until_s)) {
+            last.received = at(0.999 + 1e-3 * ++ms);
+            speed.update(last);
+        }
         return speed.radps();
     };
     CHECK(repeated(0.03) == Approx(100.0));
@@ -66,6 +69,18 @@ TEST_CASE("A machine that reads no frames for a while takes no shaft for slow", 
     for (int i = 0; i < 1000; ++i) speed.update(shaft(100.0, i * 1e-3));
     speed.update(shaft(100.0, 1.5));
     CHECK(speed.radps() == Approx(100.0));
+}
+
+TEST_CASE("Nor does one whose bus stands still, though the first frame after it has no new edge", "[BRG-420]") {
+    rig::bridge::LiveSpeed speed(kTeeth);
+    double pause_s = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+        if (i % 10 == 0) pause_s += 0.1;  // the shaft waits for the bus, as in lockstep
+        SpeedInput in = shaft(30.0, i * 1e-3);
+        in.received = at(i * 1e-3 + pause_s);
+        speed.update(in);
+        if (i > 1000) CHECK(speed.radps() == Approx(30.0).epsilon(1e-6));
+    }
 }
 
 TEST_CASE("Nothing is measured before the first frame, and a sensor that starts again starts again", "[BRG-420]") {

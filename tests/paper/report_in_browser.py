@@ -19,11 +19,12 @@ import time
 from pathlib import Path
 
 from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 
-FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND"]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "panel"))
+
+from browser import browser  # noqa: E402
+
 good = True
 
 
@@ -116,16 +117,8 @@ def main():
         folder = Path(place)
         out = folder / "report"
         results = made(lab, out)
-        options = webdriver.ChromeOptions()
-        for flag in FLAGS:
-            options.add_argument(flag)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        options.add_experimental_option("prefs", {"download.default_directory": str(folder)})
-        driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
-        try:
+        with browser(folder) as driver:
             pdf = looked_at(driver, folder, out / "report.html", results)
-        finally:
-            driver.quit()
         kept = os.environ.get("REPORT_KEEP")
         if kept:
             shutil.copytree(out, kept, dirs_exist_ok=True)

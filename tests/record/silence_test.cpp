@@ -95,7 +95,7 @@ TEST_CASE("what load cells said before the brake came on is not its torque while
     c.a1_mps2 = c.a2_mps2 = 8.1;
     c.torque_Nm *= shorter;
     c.force_N *= shorter;
-    constexpr double kStands_s = 0.299;           // just below plc_timeout_ms: nothing is aborted
+    constexpr double kStands_s = 0.299;                        // just below plc_timeout_ms: nothing is aborted
     constexpr double kSaidAgain_s = rig::record::kRepeated_s;  // by the bridge
     for (const double from_s : {1.91, 1.95, 1.99}) {
         CAPTURE(from_s);
