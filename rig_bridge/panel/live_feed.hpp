@@ -37,7 +37,7 @@ inline constexpr std::array<Channel, kSignals> kChannels{{
     {"pressure", "brake pressure", "MPa", "pressure", 1e-6, false},
     {"current", "valve current", "mA", "current", 1.0, false},
     {"load", "vertical load", "kN", "load", 1e-3, false},
-    {"temperature", "brake", "\u00b0C", "temperature", 1.0, false},
+    {"temperature", "brake temperature", "\u00b0C", "temperature", 1.0, false},
 }};
 
 /// Values in SI units, mA and degrees Celsius; NaN: unknown.
