@@ -43,7 +43,8 @@ struct RobustCommand {
                     robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION, out.string(),
                     pictures ? " robust.png" : "");
         bool sound = true;
-        for (const robust::Summary& s : summaries) sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.tripped == 0);
+        for (const robust::Summary& s : summaries)
+            sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.brakes_released == 0);
         return sound ? 0 : 1;
     }
 };
@@ -85,7 +86,8 @@ LabVerb robust_verb(CLI::App& lab) {
         "  rig-lab robust --families patches --laws told_peak,peak_slip,slip --draws 1000 --seed 4\n"
         "  rig-lab robust --families changes --laws slip,peak_slip   friction after a change of surface\n"
         "  rig-lab robust --families brake_on --laws peak_slip,soonest  brake-on from 12 to 61 m/s, and what the valve leaves of it\n"
-        "Exit status: 0 no stop under the slip law ended safe; 1 some did; 2 mistake on the command line or in a file; 130 stopped by Ctrl-C.");
+        "Exit status: 0 the slip law wrongly released the brakes in no stop; 1 in some; 2 mistake on the command line or in a file; 130 stopped by "
+        "Ctrl-C.");
     return {verb, [command] { return in_team([command](study::team::Team& team) { return command->run(team); }); }};
 }
 

@@ -123,7 +123,7 @@ settings::Json changes_json(const RobustPlan& plan, const std::vector<Row>& rows
                            {"maneuver", plan.basis.landings[change.from].maneuver},
                            {"grid_speed_mps", change.speed_mps},
                            {"measured", row.regrip && row.regrip->measured()},
-                           {"ended_safe", row.tripped()}};
+                           {"ended_safe", row.brakes_released()}};
         if (row.regrip) {
             one["speed_mps"] = row.regrip->speed_mps;
             one["judged_s"] = row.regrip->judged_s;

@@ -73,19 +73,19 @@ std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
     return own;
 }
 
-/// J_mu over the share of stops that are not better, and the stops that ended in the safe state.
+/// J_mu over the share of stops that are not better, and the stops in which the brakes were released.
 std::array<pictures::Series, 2> curves(const RobustPlan& plan, const std::vector<Row>& rows, const Summary& s) {
     const std::vector<Row> own = worst_first(rows, s);
     pictures::Series all{.name = fmt::format("{}, mean {:.3f}", plan.laws[s.law].name, s.mean_j_mu), .colour = s.law, .width = 2.0};
-    pictures::Series safe{.name = fmt::format("{} ended safe", s.tripped), .style = pictures::Style::points, .colour = s.law};
+    pictures::Series released{.name = fmt::format("{} brakes released", s.brakes_released), .style = pictures::Style::points, .colour = s.law};
     all.add(0.0, own.front().figures.j_mu);
     for (std::size_t i = 0; i < own.size(); ++i) {
         const double share = 100.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(own.size());
         all.add(share, own[i].figures.j_mu);
-        if (own[i].tripped()) safe.add(share, own[i].figures.j_mu);
+        if (own[i].brakes_released()) released.add(share, own[i].figures.j_mu);
     }
     all.add(100.0, own.back().figures.j_mu);
-    return {all, safe};
+    return {all, released};
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
                     s.worst = row.number;
                 }
                 j_mu.push_back(row.figures.j_mu);
-                s.tripped += row.tripped() ? 1U : 0U;
+                s.brakes_released += row.brakes_released() ? 1U : 0U;
                 s.locked += row.figures.longest_lock_s > kLock_s ? 1U : 0U;
                 s.mean_j_mu += row.figures.j_mu;
                 s.mean_travel_mAps += row.figures.valve_travel_mAps.value_or(0.0);
@@ -125,10 +125,10 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
 std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
     const bool told = told_peak(plan).has_value();
     auto table = settings::TextTable::markdown(
-        std::string("family|law|stops|ended safe|locked|mean J_mu:.4f|1st percentile:.3f|worst:.3f|valve travel (mA/s):.0f") +
+        std::string("family|law|stops|brakes released|locked|mean J_mu:.4f|1st percentile:.3f|worst:.3f|valve travel (mA/s):.0f") +
         (told ? "|distance over told_peak's: mean:|90 %|99 %|within 3 %" : ""));
     for (const Summary& s : summaries) {
-        table.add(name(s.family), plan.laws[s.law].name, s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu, s.worst_j_mu,
+        table.add(name(s.family), plan.laws[s.law].name, s.stops, s.brakes_released, s.locked, s.mean_j_mu, s.percentile_j_mu, s.worst_j_mu,
                   s.mean_travel_mAps);
         if (const auto& a = s.against_told_peak)
             table.add(ratio(a->mean), ratio(a->percentile_90), ratio(a->percentile_99), fmt::format("{:.1f} % of {}", 100.0 * a->within, a->draws));
@@ -152,7 +152,7 @@ std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const 
         json["families"].push_back({{"family", name(s.family)},
                                     {"law", plan.laws[s.law].name},
                                     {"stops", s.stops},
-                                    {"ended_safe", s.tripped},
+                                    {"ended_safe", s.brakes_released},
                                     {"locked", s.locked},
                                     {"mean_j_mu", s.mean_j_mu},
                                     {"percentile_1_j_mu", s.percentile_j_mu},
