@@ -102,7 +102,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
                  "the same one");
     o.brake.add_to(app);
     app.add_flag("--spun-up", o.spun_up, "the flywheel turns at the scenario's speed from the start: the first spin-up is short");
-    app.add_option("--seed", o.seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_seed(app, o.seed)->check(CLI::NonNegativeNumber);
     settings::result_file(app.add_option("--port-file", o.port_file,
                                          "written when everything is served: the TCP port (0: none), then the pseudo-terminal (or nothing)"));
     rig::panel::add_panel_option(app, o.panel);

@@ -75,7 +75,7 @@ void StopOptions::add_to(CLI::App& app) {
                                            "TOML with [brake.relative_friction] instead of the rig's, as `rig-lab wear dynamics` writes it"));
     settings::add_choice(app, "--carrier", choice.carrier, {{"aircraft", rig::Carrier::aircraft}, {"flywheel", rig::Carrier::flywheel}},
                          "flywheel: the loading device lags behind eq. (2)");
-    app.add_option("--seed", seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_seed(app, seed)->check(CLI::NonNegativeNumber);
     settings::add_config_directory(app, config);
     settings::existing_file(app.add_option(
         "--controller", controller, "controller configuration (default: CONFIG/controller.toml; endurance: CONFIG/controller_endurance.toml)"));

@@ -136,12 +136,12 @@ LabVerb faults_verb(CLI::App& lab) {
     verb->add_option("--explain", command->explain,
                      "these runs alone, each beside sound stops that are as long: what of it the controller's inputs show")
         ->delimiter(',');
-    verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, command->plan.seed);
     settings::add_threads(*verb, command->threads);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer(kFaultsFooter);
     return {verb, [command] { return command->execute(); }};
 }

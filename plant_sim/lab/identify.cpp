@@ -209,7 +209,7 @@ LabVerb identify_verb(CLI::App& lab) {
     verb->add_option("--currents", c->currents, "mA: points of the static map, rising (default: those of the configured map)")
         ->delimiter(',')
         ->check(CLI::Range(0.0, 1000.0));
-    verb->add_flag("!--no-pictures", c->pictures, "leave out the pictures");
+    settings::add_no_pictures(*verb, c->pictures);
     verb->footer(
         "Leaves in --out: config/ (a copy of --config with the identified numbers), results.json, and pictures: static_map.png,\n"
         "valve_RUN.png, wheel.png, friction_SURFACE.png, friction_curves.png (Fig. 3), validation.png (Fig. 5).\n"

@@ -178,7 +178,7 @@ LabVerb regulate_verb(CLI::App& lab) {
         ->check(CLI::Range(0.01, 0.5))
         ->capture_default_str();
     verb->add_option("--landings", command->landings, "planned landing, instead of the plan's")->check(CLI::Range(2, 1'000'000));
-    verb->add_option("--seed", command->seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_seed(*verb, command->seed)->check(CLI::NonNegativeNumber);
     settings::add_choice(*verb, "--mix", command->mix, {{"random", Mix::random}, {"balanced", Mix::balanced}},
                          "random: each landing any surface and maneuver; balanced: all equally often, in random order");
     verb->add_option("--missing", command->missing, "share of landings whose measurements are lost")

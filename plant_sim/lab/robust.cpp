@@ -69,7 +69,7 @@ LabVerb robust_verb(CLI::App& lab) {
     verb->add_option("--draws", command->options.draws, "of each family that is drawn; a multiple of 14 has all landings equally often")
         ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}))
         ->capture_default_str();
-    verb->add_option("--seed", command->options.seed, "of the draws: 1 to tune with, others to report")->capture_default_str();
+    settings::add_seed(*verb, command->options.seed, "of the draws: 1 to tune with, others to report");
     settings::existing_file(
         verb->add_option("--controller", command->options.controller, "controller configuration (default: CONFIG/controller.toml)"));
     settings::existing_file(verb->add_option("--ranges", command->options.ranges, "what is drawn (default: CONFIG/uncertainty.toml)"));
@@ -77,7 +77,7 @@ LabVerb robust_verb(CLI::App& lab) {
     settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of stops.csv, results.json and robust.png");
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer(
         "Examples:\n"
         "  rig-lab robust\n"

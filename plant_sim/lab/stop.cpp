@@ -65,7 +65,7 @@ LabVerb stop_verb(CLI::App& lab) {
     stop->scenario.brake.add_to(*verb);
     settings::add_json(*verb, stop->json, "result");
     settings::result_file(verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output"));
-    settings::result_file(verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG), as SVG and data beside it, too"));
+    settings::add_picture(*verb, stop->picture, "speeds, slip and pressures");
     settings::result_file(verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them"));
     verb->footer(
         "Examples:\n"

@@ -60,7 +60,7 @@ LabVerb surfaces_verb(CLI::App& lab) {
     settings::add_config_directory(*verb, command->config);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of results.json and surfaces.png");
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer("Example:\n  rig-lab surfaces --out out/surfaces");
     return {verb, [command] { return command->run(); }};
 }

@@ -121,12 +121,12 @@ LabVerb sweep_verb(CLI::App& lab) {
         ->check(CLI::Range(std::size_t{1}, kMaxLandings))
         ->capture_default_str();
     verb->add_flag("!--no-threshold", command->plan.threshold, "without the threshold law");
-    verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, command->plan.seed);
     settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer(kFooter);
     return {verb, [command] { return command->run(); }};
 }

@@ -134,10 +134,10 @@ LabVerb wear_watch_verb(CLI::App& wear) {
     verb->add_flag("--trial", watch->trial,
                    "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are flagged when they are put into the "
                    "same campaigns");
-    verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
+    settings::add_seed(*verb, watch->seed, "of the trial: where the faults begin");
     settings::add_json(*verb, watch->json_file, "results");
     settings::add_out(*verb, watch->out, "directory of health.json and health.png, or watch_trial.json");
-    verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, watch->pictures);
     verb->footer(
         "Examples:\n  rig-lab wear watch runs/brake7 --model mine.json\n  rig-lab wear watch measured.csv --model out/wear/model.json\n"
         "  rig-lab wear watch --trial healthy/ --model mine.json\n"

@@ -133,7 +133,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
     settings::add_json(*verb, c->json, "the same");
     settings::result_file(verb->add_option(
         "--rebuild", c->rebuilt, "write a new ledger from the folders, amendments of the old one with it; keep it beside the campaign's folder"));
-    settings::result_file(verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG), as SVG and data beside it, too"));
+    settings::add_picture(*verb, c->picture, "mean friction over cumulative energy");
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"
