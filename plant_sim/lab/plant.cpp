@@ -30,7 +30,8 @@ struct PlantCommand {
     rig::ManeuverChoice choice;
     fs::path config = settings::config_directory();
     fs::path controller, dbc, binding;
-    std::string json, csv, picture;
+    std::string json, csv;
+    std::filesystem::path picture;
 
     /// The rig, and the configuration of the controller that was on it.
     struct Known {

@@ -19,7 +19,7 @@ struct StopCommand {
     StopOptions scenario;
     std::string json;
     std::string trajectory;
-    std::string picture;
+    std::filesystem::path picture;
     std::string bus_log;
 
     int run() const {

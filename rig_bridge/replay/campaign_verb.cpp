@@ -26,7 +26,8 @@ struct CampaignCommand {
     fs::path ledger;
     fs::path config = settings::config_directory();
     fs::path dbc, binding;
-    std::string json, csv, picture;
+    std::string json, csv;
+    std::filesystem::path picture;
     fs::path rebuilt;
 
     int run() const {
