@@ -58,7 +58,7 @@ struct EnduranceCommand {
             fmt::print(stderr, "rig-lab: maneuver {} was aborted: {}\n", result.last.number, result.last.outcome);
             return 1;
         }
-        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        if (signals.stop().load()) return signals.exit_status();
         return 0;
     }
 

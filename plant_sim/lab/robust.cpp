@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <csignal>
 #include <memory>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -33,7 +32,7 @@ struct RobustCommand {
         if (team.rank() != 0) return 0;
         if (rows.size() < plan.stops()) {
             fmt::print(stderr, "rig-lab: stopped after {} of {} stops; nothing is written\n", rows.size(), plan.stops());
-            return signals.number() == SIGINT ? 130 : 1;
+            return signals.exit_status();
         }
         const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
         settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));

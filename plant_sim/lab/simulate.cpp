@@ -82,7 +82,7 @@ struct FailingCommand {
         }
         if (failed.empty()) print_table(json_file, "  everything held\n");
         write_json(out / "results.json", json_file, result.dump(2) + "\n");
-        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        if (signals.stop().load()) return signals.exit_status();
         return failed.empty() ? 0 : 1;
     }
 

@@ -50,7 +50,7 @@ struct SoakCommand {
         const auto json = out / "soak.json";
         write_json(json, json_file, endurance::to_json(result, setup, seed));
         print_table(json_file, "  {}\n", json.string());
-        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        if (signals.stop().load()) return signals.exit_status();
         return violations.empty() ? 0 : 1;
     }
 };

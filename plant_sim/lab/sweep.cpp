@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -87,11 +86,10 @@ struct SweepCommand {
         };
         const std::vector<sweep::Row> rows = sweep::run_together(study, work, team);
         if (progress) progress->finish();
-        const bool interrupted = signals.stop().load();
         if (team.rank() != 0) return 0;
         if (rows.size() < study.stops()) {
             fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(), study.stops(), work.part.string());
-            return interrupted && signals.number() == SIGINT ? 130 : 1;
+            return signals.exit_status();
         }
         const sweep::Identity identity = sweep::identity_of(study);
         const sweep::Summary summary = sweep::summarised(identity, rows);
