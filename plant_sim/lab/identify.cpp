@@ -7,8 +7,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
@@ -145,10 +145,11 @@ struct IdentifyCommand {
                 throw std::runtime_error(s.log.string() + ": was made on another rig than " + sources.front().log.string() +
                                          "; expected recordings of one rig");
         }
-        const antiskid::can::Layout layout = antiskid::can::load_layout(config / "antiskid.dbc", config / "antiskid_binding.toml");
+        const antiskid::LayoutFiles layout_files(config);
+        const antiskid::can::Layout layout = layout_files.load();
         const auto period_s = static_cast<double>(antiskid::load_controller_config(controller_file).period_s);
         std::vector<Run> recorded;
-        std::vector<fs::path> files{controller_file, config / "antiskid.dbc", config / "antiskid_binding.toml"};
+        std::vector<fs::path> files{controller_file, layout_files.dbc, layout_files.binding};
         recorded.reserve(sources.size());
         for (const Source& s : sources) {
             say("reading " + s.log.string());

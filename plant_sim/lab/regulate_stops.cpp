@@ -9,9 +9,9 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "plant_sim/study/run_many.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
@@ -122,12 +122,11 @@ double LandingSites::deviation_J() const {
 
 LandingSites load_sites(const std::filesystem::path& config) {
     const auto controller = config / "controller.toml";
-    const auto dbc = config / "antiskid.dbc";
-    const auto binding = config / "antiskid_binding.toml";
+    const antiskid::LayoutFiles layout(config);
     LandingSites s{.sites = {},
                    .controller = antiskid::load_controller_config(controller),
-                   .layout = antiskid::can::load_layout(dbc, binding),
-                   .files = {controller, dbc, binding}};
+                   .layout = layout.load(),
+                   .files = {controller, layout.dbc, layout.binding}};
     for (const std::string& surface : rig::surface_names(config)) {
         for (const std::string& maneuver : rig::maneuver_names(config)) {
             rig::ManeuverChoice choice;

@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "rig_bridge/pictures/figure.hpp"
@@ -31,10 +31,7 @@ struct CampaignCommand {
     fs::path rebuilt;
 
     int run() const {
-        const antiskid::can::Layout layout = configured([&] {
-            return antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
-                                              binding.empty() ? config / "antiskid_binding.toml" : binding);
-        });
+        const antiskid::can::Layout layout = configured([&] { return antiskid::LayoutFiles(config, dbc, binding).load(); });
         const fs::path place = campaign_folder();
         const std::vector<ManeuverFolder> folders = maneuver_folders(place);
         std::map<std::string, record::MeterParameters> known;
