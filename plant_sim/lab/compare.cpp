@@ -77,7 +77,7 @@ struct CompareCommand {
         table.add("mean", "", sums[0], "", "");
         for (std::size_t i = 1; i < laws.size(); ++i) table.add(sums[i], "");
         print_table(json, "{}", table.text());
-        if (!json.empty()) settings::deliver(json, rows.dump(2) + "\n");
+        if (!json.empty()) settings::deliver(json, settings::json_page(rows));
         return 0;
     }
 };

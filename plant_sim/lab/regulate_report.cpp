@@ -179,7 +179,7 @@ std::string to_json(const RegulateReport& r) {
         policies.push_back(std::move(one));
     }
     json["policies"] = std::move(policies);
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_csv(const RegulateReport& r) {

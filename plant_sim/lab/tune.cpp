@@ -172,7 +172,7 @@ struct TuneCommand {
         print_table(json_file, "\n{}\n{}", table, creep_table(input, options, creeping));
         json["infeasible_at_constant_slip"] = infeasible;
         json["creeping"] = creeping;
-        write_json(out / "results.json", json_file, json.dump(2) + "\n");
+        write_json(out / "results.json", json_file, settings::json_page(json));
         print_table(json_file, "Written to {}: results.json{}\n", out.string(), law && !check ? " slip.toml" : "");
         return status;
     }

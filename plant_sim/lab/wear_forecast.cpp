@@ -85,7 +85,7 @@ struct ForecastCommand {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
         print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix));
-        write_json(out / "forecast.json", json_file, answer.json.dump(2) + "\n");
+        write_json(out / "forecast.json", json_file, settings::json_page(answer.json));
         if (pictures) draw_forecast(recorded, answer.forecast, resolved.settings.limit, out / "forecast.png");
         print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
         return 0;
@@ -130,7 +130,7 @@ struct ForecastCommand {
         Json json = wear::json_head(resolved, file);
         json["brakes"] = brakes.size();
         json["rows"] = std::move(rows);
-        write_json(out / "back_test.json", json_file, json.dump(2) + "\n");
+        write_json(out / "back_test.json", json_file, settings::json_page(json));
         print_table(json_file, "Written to {}: back_test.json\n", out.string());
         const double pooled = t.pooled.coverage();
         return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;

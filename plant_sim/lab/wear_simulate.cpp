@@ -85,7 +85,7 @@ struct SimulateCommand {
         json["seed"] = seed;
         json["version"] = ANTISKID_VERSION;
         json["config_hash"] = settings::hash(files);
-        write_json(out / "simulated.json", json_file, json.dump(2) + "\n");
+        write_json(out / "simulated.json", json_file, settings::json_page(json));
         settings::deliver((out / "simulated.csv").string(), wear::to_csv(simulated));
         draw_resimulation(recorded, simulated, out / "simulated.png");
         print_table(json_file, "Written to {}: simulated.csv simulated.json simulated.png\n", out.string());

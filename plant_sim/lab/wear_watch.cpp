@@ -68,7 +68,7 @@ struct WatchCommand {
                         {"data_hash", wear::data_hash(recorded)},
                         {"health", wear::name(before)},
                         {"maneuvers", std::move(list)}};
-        write_json(out / "health.json", json_file, json.dump(2) + "\n");
+        write_json(out / "health.json", json_file, settings::json_page(json));
         if (pictures) draw_health(recorded, verdicts, out / "health.png");
         print_table(json_file, "Written to {}: health.json{}\n", out.string(), pictures ? " health.png" : "");
         return before == wear::Condition::abnormal ? 1 : 0;
@@ -113,7 +113,7 @@ struct WatchCommand {
             {"healthy",
              {{"brakes", h.campaigns}, {"maneuvers", h.maneuvers}, {"flagged", h.flagged}, {"suspected_maneuvers", h.suspected_maneuvers}}},
             {"faults", std::move(rows)}};
-        write_json(out / "watch_trial.json", json_file, json.dump(2) + "\n");
+        write_json(out / "watch_trial.json", json_file, settings::json_page(json));
         print_table(json_file, "Written to {}: watch_trial.json\n", out.string());
         return 0;
     }

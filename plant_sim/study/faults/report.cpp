@@ -112,7 +112,7 @@ std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
         {"version", plan.version},
         {"config_hash", plan.config_hash},
     };
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string describe(const FaultPlan& plan, const Case& run) {

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <utility>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/json_number.hpp"
 #include "plant_sim/study/robust/brake_on_report.hpp"
@@ -170,7 +171,7 @@ std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const 
     const auto has = [&](Family family) { return std::find(plan.families.begin(), plan.families.end(), family) != plan.families.end(); };
     if (has(Family::changes)) json["changes"] = changes_json(plan, rows);
     if (has(Family::brake_on)) json["brake_on"] = brake_on_json(plan, rows);
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows) {

@@ -119,7 +119,7 @@ std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions&
     if (t.against_threshold) json["saves_against_threshold"] = json_of(*t.against_threshold);
     json["greatest_j_mu"] = json_of(t.greatest_j_mu);
     json["min_distance"] = json_of(t.min_distance);
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_text(const Trade& t, const TradeOptions& options) {
