@@ -1,7 +1,7 @@
 /// Estimates the braked wheel's speed, the road torque and its answer to slip: an extended Kalman filter on encoder readings and brake torque.
 ///
-/// State, all of the wheel: omega (rad/s); tau = r F_x / J_w (rad/s2); the road's answer a (1/s). With u = k_b P / J_w, and omega v_dot / v, the
-/// wheel acceleration at constant slip, eq. (1b) and (3) give
+/// State, all of the wheel: omega (rad/s); tau = r F_x / J_w (rad/s2); the road's answer a (1/s), which is the slip damping of tyre and road over
+/// J_w. With u = k_b P / J_w, and omega v_dot / v, the wheel acceleration at constant slip, eq. (1b) and (3) give
 ///
 ///     omega_dot = tau - u        tau_dot = a (u + omega v_dot / v - tau)        a = F_z r^2 mu'(lambda) / (J_w v)
 ///
