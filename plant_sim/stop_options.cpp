@@ -127,6 +127,15 @@ study::StopReport StopInputs::report(const StopOptions& o) const {
             .config_hash = config_hash};
 }
 
+study::StopReport StopInputs::report(const StopOptions& o, const study::RunResult& result) const {
+    study::StopReport full = report(o);
+    full.figures = result.figures;
+    full.faults = result.faults;
+    full.frames_sent = result.frames_sent;
+    full.frames_received = result.frames_received;
+    return full;
+}
+
 std::string StopInputs::title(const StopOptions& o) const {
     return fmt::format("{} landing: {:.0f} kg at {:.0f} m/s on {}, law {}, slip reference {:.2f}", o.choice.maneuver, plant.rig.wheel.mass_kg,
                        plant.rig.brake_on_mps, o.choice.road(), o.law, o.slip);

@@ -41,11 +41,7 @@ struct StopCommand {
             log.append(line.data(), length).push_back('\n');
         };
         const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, on_step, on_frame);
-        study::StopReport report = s.report(scenario);
-        report.figures = result.figures;
-        report.faults = result.faults;
-        report.frames_sent = result.frames_sent;
-        report.frames_received = result.frames_received;
+        const study::StopReport report = s.report(scenario, result);
         if (json != "-") fmt::print("{}", study::to_table(report));
         if (!json.empty()) settings::deliver(json, study::to_json(report));
         if (!bus_log.empty()) settings::deliver(bus_log, log);
