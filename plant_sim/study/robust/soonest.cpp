@@ -76,8 +76,8 @@ double reference_at(const antiskid::control::SlipConfig& config, double slip_ref
 }
 
 /// Of the stop so far, and held exactly from here to drop-out.
-double j_mu(const BrakedWheel& wheel, const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference,
-            double drop_out_mps) {
+double stop_j_mu(const BrakedWheel& wheel, const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference,
+                 double drop_out_mps) {
     const FrictionDistance rest = held_distance(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
     return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.max_m);
 }
@@ -97,7 +97,7 @@ double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::Slip
         wheel = std::move(next);
     }
     (void)release(wheel);
-    return j_mu(wheel, rig, config, slip_reference, drop_out_mps);
+    return stop_j_mu(wheel, rig, config, slip_reference, drop_out_mps);
 }
 
 double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
@@ -121,7 +121,7 @@ double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipCon
         const bool would_lock = exceeds_when_released(released, locks, rig.valve.delay_s, period_s);
         wheel.step(would_lock ? 0.0 : kFullCurrent_mA);
     }
-    return j_mu(wheel, rig, config, slip_reference, drop_out_mps);
+    return stop_j_mu(wheel, rig, config, slip_reference, drop_out_mps);
 }
 
 SoonestRegrip soonest_regrip(const rig::RigParameters& rig, const rig::Surface& other, double speed_mps, double period_s) {
