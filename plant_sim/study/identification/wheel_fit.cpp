@@ -310,8 +310,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
         e.high += shift;
         out.relative_friction[k] = e;
     }
-    const double gain = runs.front().rig.brake_gain_m3;
-    out.gain_m3 = {.value = mu * gain, .deviation = out.friction.deviation * gain, .low = out.friction.low * gain, .high = out.friction.high * gain};
+    out.gain_m3 = scaled(out.friction, runs.front().rig.brake_gain_m3);
     out.friction_class = friction_class;
     out.lags_s = found.lags * kSpeedWindow_s;
     out.residuals = balance.report(found.theta);
