@@ -9,7 +9,7 @@
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/faults/explain_report.hpp"
+#include "plant_sim/study/faults/explain.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"

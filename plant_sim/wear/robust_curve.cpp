@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "plant_sim/study/median.hpp"
+#include "plant_sim/study/order_statistics.hpp"
 
 namespace wear {
 

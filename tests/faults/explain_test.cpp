@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plant_sim/study/faults/explain_report.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
 #include "tests/catch.hpp"
 

@@ -1,7 +1,10 @@
 /// Explains why a stop with a fault was longer although no fault was named: whether its symptoms differ from those of fault-free stops.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
+#include <string>
 
 #include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/symptoms.hpp"
@@ -36,5 +39,9 @@ struct ExplainOptions {
 
 /// Draws rigs from the family `all` of `basis`, on the surface of the run. Throws as run_fault_free.
 [[nodiscard]] Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& basis, const ExplainOptions& options = {});
+
+/// Explanations as text for people, and as JSON.
+[[nodiscard]] std::string to_table(const FaultPlan& plan, std::span<const Explanation> explanations);
+[[nodiscard]] std::string to_json(const FaultPlan& plan, std::span<const Explanation> explanations);
 
 }  // namespace faults

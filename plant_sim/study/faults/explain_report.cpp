@@ -1,4 +1,4 @@
-#include "plant_sim/study/faults/explain_report.hpp"
+#include "plant_sim/study/faults/explain.hpp"
 
 #include <fmt/format.h>
 

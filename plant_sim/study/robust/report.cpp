@@ -14,9 +14,9 @@
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/json_number.hpp"
+#include "plant_sim/study/order_statistics.hpp"
 #include "plant_sim/study/robust/brake_on_report.hpp"
 #include "plant_sim/study/robust/changes_report.hpp"
-#include "plant_sim/study/robust/percentile.hpp"
 #include "rig_bridge/pictures/figure.hpp"
 
 namespace robust {
@@ -56,8 +56,8 @@ std::optional<AgainstToldPeak> against(const std::vector<Row>& rows, const Summa
     a.draws = ratios.size();
     const auto within = std::upper_bound(ratios.begin(), ratios.end(), AgainstToldPeak::kWithin);
     a.within = static_cast<double>(within - ratios.begin()) / static_cast<double>(a.draws);
-    a.percentile_90 = percentile(ratios, 90);
-    a.percentile_99 = percentile(ratios, 99);
+    a.percentile_90 = study::percentile(ratios, 90);
+    a.percentile_99 = study::percentile(ratios, 99);
     const auto rest = std::find_if(ratios.begin(), ratios.end(), [](double r) { return !std::isfinite(r); });
     a.mean = std::accumulate(ratios.begin(), rest, 0.0) / static_cast<double>(rest - ratios.begin());
     return a;
@@ -115,7 +115,7 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
             s.mean_j_mu /= static_cast<double>(s.stops);
             s.mean_travel_mAps /= static_cast<double>(s.stops);
             std::sort(j_mu.begin(), j_mu.end());
-            s.percentile_j_mu = percentile(j_mu, 1);
+            s.percentile_j_mu = study::percentile(j_mu, 1);
             if (yardstick && !is_bound(plan.laws[law].name)) s.against_told_peak = against(rows, s, *yardstick);
             all.push_back(s);
         }

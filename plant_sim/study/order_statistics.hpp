@@ -1,4 +1,4 @@
-/// Median, and the standard deviation by it.
+/// Order statistics.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,12 @@
 #include <vector>
 
 namespace study {
+
+/// Percentile by nearest rank: the smallest element of `sorted` that `percent` % of the elements do not exceed. `sorted`: ascending, not empty;
+/// `percent`: 1 to 100.
+[[nodiscard]] inline double percentile(const std::vector<double>& sorted, std::size_t percent) {
+    return sorted[(sorted.size() * percent + 99) / 100 - 1];
+}
 
 /// The upper one of two middle values; 0 without values.
 [[nodiscard]] inline double median(std::vector<double> values) {
