@@ -16,10 +16,10 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
@@ -102,7 +102,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
                  "the same one");
     o.brake.add_to(app);
     app.add_flag("--spun-up", o.spun_up, "the flywheel turns at the scenario's speed from the start: the first spin-up is short");
-    app.add_option("--seed", o.seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_seed(app, o.seed)->check(CLI::NonNegativeNumber);
     settings::result_file(app.add_option("--port-file", o.port_file,
                                          "written when everything is served: the TCP port (0: none), then the pseudo-terminal (or nothing)"));
     rig::panel::add_panel_option(app, o.panel);
@@ -149,12 +149,11 @@ std::filesystem::path or_default(const std::filesystem::path& given, const std::
 
 Served load(const Options& o) {
     const rig::Scenario scenario = rig::load_scenario(o.scenario, o.config);
-    Served s{
-        .plant = scenario.rig,
-        .rig = plc::load_served_rig(o.config, scenario.endurance() ? plc::Bench::endurance : plc::Bench::landing),
-        .layout = antiskid::can::load_layout(or_default(o.dbc, o.config / "antiskid.dbc"), or_default(o.binding, o.config / "antiskid_binding.toml")),
-        .map = rig::load_register_map(or_default(o.registers, o.config / "registers.toml")),
-        .server = server_options(o)};
+    Served s{.plant = scenario.rig,
+             .rig = plc::load_served_rig(o.config, scenario.endurance() ? plc::Bench::endurance : plc::Bench::landing),
+             .layout = antiskid::LayoutFiles(o.config, o.dbc, o.binding).load(),
+             .map = rig::load_register_map(or_default(o.registers, o.config / "registers.toml")),
+             .server = server_options(o)};
     if (o.clock == "sync" && !s.layout[antiskid::can::Role::sync].bound)
         throw std::invalid_argument("--clock sync needs a layout with a [sync] message; this one has none");
     if (o.together && (o.clock != "sync" || !s.map.bridge_turn))

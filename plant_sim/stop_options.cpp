@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/drive.hpp"
@@ -24,10 +24,6 @@ const std::map<std::string, Law>& laws() {
         {"slip", Law::wheel_slip},     {"deceleration", Law::deceleration},   {"open_loop", Law::open_loop},
         {"threshold", Law::threshold}, {"pressure_bias", Law::pressure_bias}, {"peak_slip", Law::peak_slip}};
     return kLaws;
-}
-
-std::filesystem::path or_default(const std::filesystem::path& given, const std::filesystem::path& otherwise) {
-    return given.empty() ? otherwise : given;
 }
 
 study::ManeuverPlan plan(const StopOptions& o, const rig::LoadedRig& plant) {
@@ -75,7 +71,7 @@ void StopOptions::add_to(CLI::App& app) {
                                            "TOML with [brake.relative_friction] instead of the rig's, as `rig-lab wear dynamics` writes it"));
     settings::add_choice(app, "--carrier", choice.carrier, {{"aircraft", rig::Carrier::aircraft}, {"flywheel", rig::Carrier::flywheel}},
                          "flywheel: the loading device lags behind eq. (2)");
-    app.add_option("--seed", seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_seed(app, seed)->check(CLI::NonNegativeNumber);
     settings::add_config_directory(app, config);
     settings::existing_file(app.add_option(
         "--controller", controller, "controller configuration (default: CONFIG/controller.toml; endurance: CONFIG/controller_endurance.toml)"));
@@ -84,12 +80,11 @@ void StopOptions::add_to(CLI::App& app) {
 
 StopInputs load_scenario(const StopOptions& o) {
     const bool endurance = o.choice.maneuver == rig::kEndurance;
-    const auto controller_file = or_default(o.controller, o.config / (endurance ? "controller_endurance.toml" : "controller.toml"));
-    const auto dbc_file = or_default(o.dbc, o.config / "antiskid.dbc");
-    const auto binding_file = or_default(o.binding, o.config / "antiskid_binding.toml");
+    const auto controller_file = o.controller.empty() ? o.config / (endurance ? "controller_endurance.toml" : "controller.toml") : o.controller;
+    const antiskid::LayoutFiles layout(o.config, o.dbc, o.binding);
     StopInputs s{.plant = rig::load_rig(o.config, o.choice),
                  .controller = antiskid::load_controller_config(controller_file),
-                 .layout = antiskid::can::load_layout(dbc_file, binding_file),
+                 .layout = layout.load(),
                  .session = {},
                  .config_hash = {},
                  .brake = {}};
@@ -99,11 +94,11 @@ StopInputs load_scenario(const StopOptions& o) {
         if (!o.choice.friction) rig.mean_friction = std::max(s.brake->next_friction(), rig::min_mean_friction(rig.friction_curve));
     }
     std::vector<std::filesystem::path> files = s.plant.files;
-    files.insert(files.end(), {controller_file, dbc_file, binding_file});
+    files.insert(files.end(), {controller_file, layout.dbc, layout.binding});
     s.config_hash = settings::hash(files);
     s.session.plan = plan(o, s.plant);
     if (!s.layout.maneuver.has(s.session.plan.law))
-        throw std::invalid_argument(fmt::format("--law {}: the law's field of {} is too narrow for it", o.law, dbc_file.string()));
+        throw std::invalid_argument(fmt::format("--law {}: the law's field of {} is too narrow for it", o.law, layout.dbc.string()));
     s.session.period_s = static_cast<double>(s.controller.period_s);
     s.session.drop_out_mps = s.plant.drop_out_mps;
     s.session.seed = o.seed;
@@ -130,6 +125,15 @@ study::StopReport StopInputs::report(const StopOptions& o) const {
             .seed = o.seed,
             .version = ANTISKID_VERSION,
             .config_hash = config_hash};
+}
+
+study::StopReport StopInputs::report(const StopOptions& o, const study::RunResult& result) const {
+    study::StopReport full = report(o);
+    full.figures = result.figures;
+    full.faults = result.faults;
+    full.frames_sent = result.frames_sent;
+    full.frames_received = result.frames_received;
+    return full;
 }
 
 std::string StopInputs::title(const StopOptions& o) const {

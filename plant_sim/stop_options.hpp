@@ -9,6 +9,7 @@
 #include "firmware/control/config.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/brake_options.hpp"
+#include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/report.hpp"
 #include "plant_sim/study/rig_session.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
@@ -43,8 +44,9 @@ struct StopInputs {
 
     /// Writes the brake's state after the maneuver, with `energy_J` added, to the file of the options, if there is one. Throws settings::Error.
     void save_brake(const StopOptions& options, double energy_J) const;
-    /// Head of the report: the inputs of the run.
+    /// Head of the report: the inputs of the run; with `result`, also what came of it.
     [[nodiscard]] study::StopReport report(const StopOptions& options) const;
+    [[nodiscard]] study::StopReport report(const StopOptions& options, const study::RunResult& result) const;
     /// Title of a picture.
     [[nodiscard]] std::string title(const StopOptions& options) const;
 };

@@ -91,7 +91,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         ->capture_default_str();
     settings::add_out(app, o.out, "for trajectory.csv and result.json");
     settings::add_json(app, o.json, "result");
-    settings::result_file(app.add_option("--picture", o.picture, "speeds, slip and pressures (PNG), as SVG and data beside it, too"));
+    settings::add_picture(app, o.picture, "speeds, slip and pressures");
     app.add_option("--answer-timeout", o.answer_timeout_ms, "lockstep: longest wait for a valve command")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")

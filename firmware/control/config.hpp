@@ -57,13 +57,13 @@ struct EstimatorConfig {
 
 /// Settings of the wheel's observer, wheel_observer.hpp.
 struct ObserverConfig {
-    float reading_noise = 0.0F;       ///< standard deviation of the edge positions of a reading, as share of the encoder's pitch
-    float road_noise_radps2 = 0.0F;   ///< random walk of the road torque as wheel acceleration, per root of a second
-    float answer_noise = 0.0F;        ///< random walk of the road's answer, relative to itself plus the floor, per root of a second; 0: the
-                                      ///< answer is not learnt
-    float answer_floor_per_s = 0.0F;  ///< uncertainty of an answer of zero; the filter starts with half of it
-    float surprise = 0.0F;            ///< mean deviation of readings to one side, in standard deviations, that indicates another road
-    float prediction_share = 0.0F;    ///< share of a restoring answer that is used for the prediction over the valve's delay, 0 to 1
+    float reading_noise = 0.0F;        ///< standard deviation of the edge positions of a reading, as share of the encoder's pitch
+    float road_noise_radps2 = 0.0F;    ///< random walk of the road torque as wheel acceleration, per root of a second
+    float answer_noise = 0.0F;         ///< random walk of the road's answer, relative to itself plus the floor, per root of a second; 0: the
+                                       ///< answer is not learnt
+    float answer_floor_per_s = 0.0F;   ///< uncertainty of an answer of zero; the filter starts with half of it
+    float max_mean_innovation = 0.0F;  ///< mean innovation of the readings, in standard deviations, beyond which the wheel is on another road
+    float prediction_share = 0.0F;     ///< share of a restoring answer that is used for the prediction over the valve's delay, 0 to 1
 };
 
 /// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the

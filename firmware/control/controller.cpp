@@ -77,7 +77,8 @@ Command Controller::step(const Sensors& sensors, Time now) {
     if (!sensors.command_unsent) held_Pa_ = commanded_Pa_;
     const Estimate& estimate = estimator_.update(sensors, held_Pa_);
     const State before = supervisor_.state();
-    const FaultSet present = monitor_.check(sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);
+    const FaultSet present =
+        monitor_.check(sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.scheduled_reference()}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
     if (state == State::standby || !sensors.maneuver.weight_on_wheels) {
         slip_law_.forget_runway();

@@ -15,7 +15,7 @@ SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), pe
 
 void SlipLaw::start(const Estimate& estimate) {
     reference_ = larger(estimate.slip, 0.0F);
-    asked_ = reference_;
+    scheduled_reference_ = reference_;
     integral_ = 0.0F;
     answer_per_s_ = estimate.answer_per_s;
     slip_error_ = 0.0F;
@@ -54,7 +54,7 @@ float SlipLaw::earliness(float slip) const {
 
 float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ceiling_Pa) {
     reference_ = towards(reference_, smaller(falling, allowed), config_.reference_rate_per_s * period_s_);
-    asked_ = larger(reference_, falling);
+    scheduled_reference_ = larger(reference_, falling);
 
     // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by this factor.
     const float rate_per_Pa = e.radius_m * e.brake_gain / e.late_v_mps;

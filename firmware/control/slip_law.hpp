@@ -39,8 +39,8 @@ class SlipLaw {
 
     /// The reference in force.
     [[nodiscard]] float reference() const { return reference_; }
-    /// The reference before it was lowered: the law itself does not cause slip above this.
-    [[nodiscard]] float asked() const { return asked_; }
+    /// The set-point after its fall at low speed, before the retreat; at least reference(). The law itself does not cause slip above this.
+    [[nodiscard]] float scheduled_reference() const { return scheduled_reference_; }
 
   private:
     void retreat(const Estimate& estimate, float rate_per_s);
@@ -51,7 +51,7 @@ class SlipLaw {
     SlipConfig config_;
     float period_s_;
     float reference_ = 0.0F;
-    float asked_ = 0.0F;
+    float scheduled_reference_ = 0.0F;
     float integral_ = 0.0F;      // of the slip error times k_i, 1/s
     float share_ = 1.0F;         // of the reference, in force
     float answer_per_s_ = 0.0F;  // filtered

@@ -13,7 +13,7 @@ SpeedTracker::SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder)
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
     acceleration_ = acceleration;
-    unheard_s_ = 0.0F;
+    since_accepted_s_ = 0.0F;
     started_ = true;
 }
 
@@ -30,7 +30,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
     }
     const float predicted = speed_ + acceleration_ * period_s;
     speed_ = larger(predicted, 0.0F);
-    unheard_s_ += period_s;
+    since_accepted_s_ += period_s;
     if (reading.speed_radps == 0.0F && reading.fresh) {
         reset(0.0F, 0.0F);
         return;
@@ -48,8 +48,8 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
     const float innovation = reading.speed_radps - (speed_ - since_middle);
     const float since = larger(reading.interval_s, period_s);
     constexpr float kTwice = 2.0F;  // the prediction may be as far off as the reading
-    if (unheard_s_ < reject_timeout_s_ && magnitude(innovation) > kTwice * max_acceleration_ * since) return;
-    unheard_s_ = 0.0F;
+    if (since_accepted_s_ < reject_timeout_s_ && magnitude(innovation) > kTwice * max_acceleration_ * since) return;
+    since_accepted_s_ = 0.0F;
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);
     acceleration_ = limited(acceleration_ + (1.0F - memory) * (1.0F - memory) * innovation / since, -max_acceleration_, max_acceleration_);

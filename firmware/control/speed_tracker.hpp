@@ -26,7 +26,7 @@ class SpeedTracker {
     float reject_timeout_s_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;
-    float unheard_s_ = 0.0F;  // since the last accepted reading
+    float since_accepted_s_ = 0.0F;
     bool started_ = false;
 };
 

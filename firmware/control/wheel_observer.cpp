@@ -29,8 +29,8 @@ void WheelObserver::begin(float omega_radps) {
     wt_ = 0.0F;
     wa_ = 0.0F;
     ta_ = 0.0F;
-    mean_surprise_ = 0.0F;
-    unheard_s_ = 0.0F;
+    mean_innovation_ = 0.0F;
+    since_accepted_s_ = 0.0F;
 }
 
 void WheelObserver::predict(const Drive& drive) {
@@ -62,17 +62,17 @@ void WheelObserver::predict(const Drive& drive) {
 }
 
 /// Whether readings deviate to one side for longer than noise explains.
-bool WheelObserver::is_another_road(float surprise, float since_s, float variance) {
+bool WheelObserver::is_another_road(float innovation, float since_s, float variance) {
     constexpr float kMemory_s = 0.008F;
-    mean_surprise_ += (surprise - mean_surprise_) * since_s / (kMemory_s + since_s);
+    mean_innovation_ += (innovation - mean_innovation_) * since_s / (kMemory_s + since_s);
     const float of_mean = variance * since_s / (2.0F * kMemory_s);
-    return mean_surprise_ * mean_surprise_ > config_.surprise * config_.surprise * of_mean;
+    return mean_innovation_ * mean_innovation_ > config_.max_mean_innovation * config_.max_mean_innovation * of_mean;
 }
 
 void WheelObserver::forget_road(float reading_variance) {
     constexpr float kRoad_radps2 = 2000.0F;
     another_road_ = true;
-    mean_surprise_ = 0.0F;
+    mean_innovation_ = 0.0F;
     answer_per_s_ = 0.5F * config_.answer_floor_per_s;
     ww_ += reading_variance;
     tt_ += kRoad_radps2 * kRoad_radps2;
@@ -86,19 +86,19 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     // The reading is the mean over its interval, which ended half a period ago on average: omega - age (tau - u).
     const float age = 0.5F * (reading.interval_s + smaller(reading.interval_s, period_s_));
     const float rate = motion_.omega_radps > 0.0F ? motion_.road_radps2 - drive.brake_now_radps2 : 0.0F;
-    const float surprise = reading.speed_radps - (motion_.omega_radps - rate * age);
+    const float innovation = reading.speed_radps - (motion_.omega_radps - rate * age);
     const float since = larger(reading.interval_s, period_s_);
     const float noise = config_.reading_noise * pitch_rad_ / since;
     // A wheel slows by brake torque alone, or by what that or the road have wound up in a carcass: a gap where teeth are missing is no slip.
     constexpr float kWild = 4.0F;  // standard deviations: chance alone takes one sound reading in 16,000 there
-    const float acts_radps2 = surprise < 0.0F ? larger(drive.brake_now_radps2, motion_.road_radps2) : max_radps2_;
-    if (magnitude(surprise) > hardest_brake_ * acts_radps2 * since + kWild * noise) {
-        if (unheard_s_ >= reject_timeout_s_) begin(reading.speed_radps);
+    const float acts_radps2 = innovation < 0.0F ? larger(drive.brake_now_radps2, motion_.road_radps2) : max_radps2_;
+    if (magnitude(innovation) > hardest_brake_ * acts_radps2 * since + kWild * noise) {
+        if (since_accepted_s_ >= reject_timeout_s_) begin(reading.speed_radps);
         return;
     }
-    unheard_s_ = 0.0F;
+    since_accepted_s_ = 0.0F;
     const float variance = noise * noise + kMinNoise_radps * kMinNoise_radps;
-    if (is_another_road(surprise, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance)) forget_road(variance);
+    if (is_another_road(innovation, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance)) forget_road(variance);
     const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;
     const float per_variance = 1.0F / (w - age * t + variance);
     const float k_w = w * per_variance, k_t = t * per_variance;
@@ -107,9 +107,9 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     const float k_a = reading.fresh ? a * per_variance : 0.0F;
     // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not lead to a larger correction.
     const float at_most = larger(motion_.omega_radps, 2.0F * reading.speed_radps);
-    motion_.omega_radps = limited(motion_.omega_radps + k_w * surprise, 0.0F, at_most);
-    motion_.road_radps2 = limited(motion_.road_radps2 + k_t * surprise, -max_radps2_, max_radps2_);
-    answer_per_s_ = limited(answer_per_s_ + k_a * surprise, kMinAnswer_per_s, kMaxAnswer_per_s);
+    motion_.omega_radps = limited(motion_.omega_radps + k_w * innovation, 0.0F, at_most);
+    motion_.road_radps2 = limited(motion_.road_radps2 + k_t * innovation, -max_radps2_, max_radps2_);
+    answer_per_s_ = limited(answer_per_s_ + k_a * innovation, kMinAnswer_per_s, kMaxAnswer_per_s);
     // Rounding must not make a variance negative.
     ww_ = larger(ww_ - k_w * w, 1e-6F);
     wt_ -= k_w * t;
@@ -138,7 +138,7 @@ void WheelObserver::update(const SpeedReading& reading, const Drive& drive) {
         return;
     }
     predict(drive);
-    unheard_s_ += period_s_;
+    since_accepted_s_ += period_s_;
     if (possible && (reading.fresh || (reading.bounded && reading.speed_radps < motion_.omega_radps))) correct(reading, drive);
 }
 

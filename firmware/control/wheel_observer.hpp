@@ -1,7 +1,7 @@
 /// Estimates the braked wheel's speed, the road torque and its answer to slip: an extended Kalman filter on encoder readings and brake torque.
 ///
-/// State, all of the wheel: omega (rad/s); tau = r F_x / J_w (rad/s2); the road's answer a (1/s). With u = k_b P / J_w, and omega v_dot / v, the
-/// wheel acceleration at constant slip, eq. (1b) and (3) give
+/// State, all of the wheel: omega (rad/s); tau = r F_x / J_w (rad/s2); the road's answer a (1/s), which is the slip damping of tyre and road over
+/// J_w. With u = k_b P / J_w, and omega v_dot / v, the wheel acceleration at constant slip, eq. (1b) and (3) give
 ///
 ///     omega_dot = tau - u        tau_dot = a (u + omega v_dot / v - tau)        a = F_z r^2 mu'(lambda) / (J_w v)
 ///
@@ -65,7 +65,7 @@ class WheelObserver {
     void begin(float omega_radps);
     void predict(const Drive& drive);
     void correct(const SpeedReading& reading, const Drive& drive);
-    [[nodiscard]] bool is_another_road(float surprise, float since_s, float variance);
+    [[nodiscard]] bool is_another_road(float innovation, float since_s, float variance);
     void forget_road(float reading_variance);
 
     ObserverConfig config_;
@@ -80,8 +80,8 @@ class WheelObserver {
     float answer_per_s_ = 0.0F;
     // Covariance, upper triangle: w speed, t road, a answer.
     float ww_ = 0.0F, wt_ = 0.0F, wa_ = 0.0F, tt_ = 0.0F, ta_ = 0.0F, aa_ = 0.0F;
-    float mean_surprise_ = 0.0F;
-    float unheard_s_ = 0.0F;  // since a reading was believed
+    float mean_innovation_ = 0.0F;
+    float since_accepted_s_ = 0.0F;
     bool started_ = false;
     bool another_road_ = false;
 };

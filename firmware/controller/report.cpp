@@ -107,7 +107,7 @@ std::string json(const RunReport& report) {
                                 {"frames_unsent", loop.frames_unsent},
                                 {"full_drains", loop.full_drains}}},
                               {"messages", messages}};
-    return root.dump(2) + "\n";
+    return settings::json_page(root);
 }
 
 std::string table(const RunReport& report) {

@@ -84,7 +84,7 @@ control::ObserverConfig observer(const settings::Table& t) {
             .road_noise_radps2 = number(t, "road_noise_radps2", 1.0, 1e6),
             .answer_noise = number(t, "answer_noise", 0.0, 100.0),
             .answer_floor_per_s = number(t, "answer_floor_per_s", 1.0, 1e4),
-            .surprise = number(t, "surprise", 1.0, 1e3),
+            .max_mean_innovation = number(t, "surprise", 1.0, 1e3),
             .prediction_share = number(t, "prediction_share", 0.0, 1.0)};
 }
 

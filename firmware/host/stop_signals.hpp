@@ -31,6 +31,8 @@ class StopSignals {
     }
     /// The first signal that came; 0: none.
     [[nodiscard]] int number() const { return number_.load(); }
+    /// Exit status of a program that a signal ended early: 130 after Ctrl-C, otherwise 1.
+    [[nodiscard]] int exit_status() const { return number() == SIGINT ? 130 : 1; }
 
   private:
     sigset_t set_{};

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
 
@@ -11,15 +11,14 @@ namespace endurance {
 
 EnduranceSetup load_setup(const std::filesystem::path& scenario, const std::filesystem::path& config) {
     const rig::Scenario loaded = rig::load_scenario(scenario, config);
-    const auto dbc = config / "antiskid.dbc";
-    const auto binding = config / "antiskid_binding.toml";
+    const antiskid::LayoutFiles layout(config);
     std::vector<std::filesystem::path> files = loaded.files;
     plc::ServedRigOptions machinery = plc::load_served_rig(config, loaded.endurance() ? plc::Bench::endurance : plc::Bench::landing);
     machinery.brake.emplace(loaded.rig.wear, wear::ConditionalRule{}, wear::BrakeState{});
-    files.insert(files.end(), {loaded.controller, plc::machinery_file(config), dbc, binding});
+    files.insert(files.end(), {loaded.controller, plc::machinery_file(config), layout.dbc, layout.binding});
     return {.scenario = loaded,
             .controller = antiskid::load_controller_config(loaded.controller),
-            .layout = antiskid::can::load_layout(dbc, binding),
+            .layout = layout.load(),
             .machinery = machinery,
             .config_hash = settings::hash(files)};
 }

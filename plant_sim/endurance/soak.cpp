@@ -117,7 +117,7 @@ std::string to_json(const SoakResult& result, const EnduranceSetup& setup, std::
                                  {"length_m_deviation", span.length_m_deviation},
                                  {"max_heap_bytes", span.max_heap_bytes}});
     }
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 }  // namespace endurance

@@ -75,7 +75,7 @@ std::string to_json(const CampaignFacts& facts, std::span<const rig::record::Sum
         json["first_mean_friction"] = maneuvers.front().figures.mean_friction;
         json["last_mean_friction"] = maneuvers.back().figures.mean_friction;
     }
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 }  // namespace endurance

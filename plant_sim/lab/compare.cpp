@@ -77,7 +77,7 @@ struct CompareCommand {
         table.add("mean", "", sums[0], "", "");
         for (std::size_t i = 1; i < laws.size(); ++i) table.add(sums[i], "");
         print_table(json, "{}", table.text());
-        if (!json.empty()) settings::deliver(json, rows.dump(2) + "\n");
+        if (!json.empty()) settings::deliver(json, settings::json_page(rows));
         return 0;
     }
 };
@@ -92,7 +92,7 @@ LabVerb compare_verb(CLI::App& lab) {
         ->delimiter(',')
         ->capture_default_str();
     verb->add_option("--slip", compare->scenario.slip, "slip reference")->check(CLI::Range(0.0, 0.5))->capture_default_str();
-    verb->add_option("--seed", compare->scenario.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, compare->scenario.seed);
     settings::add_config_directory(*verb, compare->scenario.config);
     verb->add_option("--mu-b", compare->scenario.choice.friction, "mean brake friction instead of a new brake's");
     settings::existing_file(verb->add_option("--runway", compare->runways, "runways instead of the surfaces, files as in config/runways"));

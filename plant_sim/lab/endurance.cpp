@@ -58,7 +58,7 @@ struct EnduranceCommand {
             fmt::print(stderr, "rig-lab: maneuver {} was aborted: {}\n", result.last.number, result.last.outcome);
             return 1;
         }
-        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        if (signals.stop().load()) return signals.exit_status();
         return 0;
     }
 
@@ -93,9 +93,7 @@ LabVerb endurance_verb(CLI::App& lab) {
                                         "one process. Leaves campaign.sqlite and table.json; a campaign that was stopped goes on.");
     constexpr std::int64_t kMax = 1'000'000;
     verb->add_option("--maneuvers", command->maneuvers, "how many in all")->check(CLI::Range(std::int64_t{1}, kMax))->capture_default_str();
-    verb->add_option("--seed", command->seed, "seed of every random draw")
-        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
-        ->capture_default_str();
+    settings::add_seed(*verb, command->seed)->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}));
     settings::existing_file(verb->add_option("--scenario", command->scenario, "scenario file (default: CONFIG/scenarios/endurance.toml)"));
     settings::add_json(*verb, command->json_file, "table");
     settings::add_out(*verb, command->out, "directory of the results (default: out/SCENARIO-SEED)");

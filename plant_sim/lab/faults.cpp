@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -10,7 +9,7 @@
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/faults/explain_report.hpp"
+#include "plant_sim/study/faults/explain.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
@@ -38,7 +37,7 @@ struct FaultsCommand {
     std::string kind;
     std::optional<std::size_t> run;
     std::vector<std::size_t> explain;
-    unsigned threads = 0;
+    unsigned threads = wear::all_cores();
     std::filesystem::path out = "out/faults";
     std::string json_file;  ///< "-": standard output
     bool pictures = true;
@@ -50,15 +49,14 @@ struct FaultsCommand {
         antiskid::host::StopSignals signals;
         const std::vector<std::size_t> numbers = chosen(campaign);
         settings::Progress progress(static_cast<std::int64_t>(numbers.size()), 0);
-        const std::vector<faults::Row> rows = faults::run_campaign(
-            campaign, numbers,
-            {.threads = threads > 0 ? threads : wear::all_cores(), .stop = &signals.stop(), .progress = [&progress](std::size_t done) {
-                 progress.show(static_cast<std::int64_t>(done));
-             }});
+        const std::vector<faults::Row> rows =
+            faults::run_campaign(campaign, numbers, {.threads = threads, .stop = &signals.stop(), .progress = [&progress](std::size_t done) {
+                                                         progress.show(static_cast<std::int64_t>(done));
+                                                     }});
         progress.finish();
         if (rows.size() < numbers.size()) {
             fmt::print(stderr, "rig-lab: stopped after {} of {} runs; nothing is written\n", rows.size(), numbers.size());
-            return signals.number() == SIGINT ? 130 : 1;
+            return signals.exit_status();
         }
         settings::write_file(out / "runs.csv", faults::to_csv(campaign, rows));
         write_json(out / "results.json", json_file, faults::to_json(campaign, rows));
@@ -101,7 +99,7 @@ struct FaultsCommand {
         rigs.config = plan.config;
         const robust::Basis basis = robust::load_plan(rigs).basis;
         std::vector<std::optional<faults::Explanation>> found(explain.size());
-        wear::run_jobs(threads > 0 ? threads : wear::all_cores(), explain.size(),
+        wear::run_jobs(threads, explain.size(),
                        [&](std::size_t i) { found[i] = faults::explain(campaign, case_of(campaign, "--explain", explain[i]), basis); });
         std::vector<faults::Explanation> explanations;
         explanations.reserve(found.size());
@@ -134,14 +132,14 @@ LabVerb faults_verb(CLI::App& lab) {
         ->check(CLI::IsMember(std::vector<std::string>(faults::kKindNames.begin(), faults::kKindNames.end())));
     verb->add_option("--run", command->run, "this run alone, by its number in runs.csv; give seed, surfaces, maneuver and repetitions as then");
     verb->add_option("--explain", command->explain,
-                     "these runs alone, each beside sound stops that are as long: what of it the controller's inputs show")
+                     "these runs alone, each beside fault-free stops that are as long: which symptoms the controller's inputs show")
         ->delimiter(',');
-    verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, command->plan.seed);
     settings::add_threads(*verb, command->threads);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer(kFaultsFooter);
     return {verb, [command] { return command->execute(); }};
 }

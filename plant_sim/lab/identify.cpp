@@ -7,8 +7,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
@@ -145,10 +145,11 @@ struct IdentifyCommand {
                 throw std::runtime_error(s.log.string() + ": was made on another rig than " + sources.front().log.string() +
                                          "; expected recordings of one rig");
         }
-        const antiskid::can::Layout layout = antiskid::can::load_layout(config / "antiskid.dbc", config / "antiskid_binding.toml");
+        const antiskid::LayoutFiles layout_files(config);
+        const antiskid::can::Layout layout = layout_files.load();
         const auto period_s = static_cast<double>(antiskid::load_controller_config(controller_file).period_s);
         std::vector<Run> recorded;
-        std::vector<fs::path> files{controller_file, config / "antiskid.dbc", config / "antiskid_binding.toml"};
+        std::vector<fs::path> files{controller_file, layout_files.dbc, layout_files.binding};
         recorded.reserve(sources.size());
         for (const Source& s : sources) {
             say("reading " + s.log.string());
@@ -209,7 +210,7 @@ LabVerb identify_verb(CLI::App& lab) {
     verb->add_option("--currents", c->currents, "mA: points of the static map, rising (default: those of the configured map)")
         ->delimiter(',')
         ->check(CLI::Range(0.0, 1000.0));
-    verb->add_flag("!--no-pictures", c->pictures, "leave out the pictures");
+    settings::add_no_pictures(*verb, c->pictures);
     verb->footer(
         "Leaves in --out: config/ (a copy of --config with the identified numbers), results.json, and pictures: static_map.png,\n"
         "valve_RUN.png, wheel.png, friction_SURFACE.png, friction_curves.png (Fig. 3), validation.png (Fig. 5).\n"

@@ -65,7 +65,7 @@ LabVerb maneuver_verb(CLI::App& lab) {
         "maneuver", "A scenario on the virtual rig in process, recorded as rig-bridge maneuver records it. The brake has its nominal friction.");
     settings::existing_file(verb->add_option("SCENARIO", c->scenario, "a file of config/scenarios"))->required();
     settings::add_config_directory(*verb, c->config);
-    verb->add_option("--seed", c->seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, c->seed);
     settings::add_json(*verb, c->json_file, "summary");
     settings::add_out(*verb, c->out, "folder for bus.log and summary.json (default: out/SCENARIO)");
     verb->footer(

@@ -110,7 +110,7 @@ std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
                     {"required_phase_margin_deg", head.options.requirement.phase_deg},
                     {"required_gain_margin_dB", head.options.requirement.gain_dB},
                     {"tyres", std::move(tyres)}};
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 /// The cells of one tyre that excite themselves, a row a scenario, in Markdown; empty where there are none. With it what

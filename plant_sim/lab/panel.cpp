@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "firmware/can/load_layout.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/panel_stops.hpp"
@@ -38,9 +38,7 @@ struct PanelCommand {
                       .what_if = tried.fields()}};
         std::optional<rig::bridge::PanelRecordings> recorded;
         if (!folder.empty()) {
-            recorded.emplace(folder, config,
-                             antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
-                                                        binding.empty() ? config / "antiskid_binding.toml" : binding));
+            recorded.emplace(folder, config, antiskid::LayoutFiles(config, dbc, binding).load());
             rig::bridge::add_recorded(options, *recorded);
             if (recorded->with_ledger())
                 options.changes["note"] = [&recorded](const panel::Query& q) {

@@ -30,7 +30,8 @@ struct PlantCommand {
     rig::ManeuverChoice choice;
     fs::path config = settings::config_directory();
     fs::path controller, dbc, binding;
-    std::string json, csv, picture;
+    std::string json, csv;
+    std::filesystem::path picture;
 
     /// The rig, and the configuration of the controller that was on it.
     struct Known {
@@ -128,7 +129,7 @@ LabVerb plant_verb(CLI::App& lab) {
     verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
     settings::add_json(*verb, c->json, "errors");
     settings::result_file(verb->add_option("--csv", c->csv, "both motions over time as CSV"));
-    settings::result_file(verb->add_option("--picture", c->picture, "speeds, slip and errors (PNG), as SVG and data beside it, too"));
+    settings::add_picture(*verb, c->picture, "speeds, slip and errors");
     verb->footer(
         "Examples:\n"
         "  rig-lab plant out/landing/bus.log --maneuver light --surface wet_asphalt --picture fig5.png\n"

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <numbers>
 
-#include "firmware/can/load_layout.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/seconds.hpp"
 #include "firmware/host/settings/input_file.hpp"
 #include "firmware/host/settings/near_miss.hpp"
@@ -111,10 +111,7 @@ std::vector<wear::BrakeSample> samples_of(const std::vector<Raw>& rows) {
 
 class Loader {
   public:
-    explicit Loader(const StopFiles& files)
-        : files_(files),
-          layout_(antiskid::can::load_layout(files.dbc.empty() ? files.config / "antiskid.dbc" : files.dbc,
-                                             files.binding.empty() ? files.config / "antiskid_binding.toml" : files.binding)) {
+    explicit Loader(const StopFiles& files) : files_(files), layout_(antiskid::LayoutFiles(files.config, files.dbc, files.binding).load()) {
         for (const std::string& name : rig::friction_class_names()) classes_.push_back({name, {}});
     }
 

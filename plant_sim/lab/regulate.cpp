@@ -65,20 +65,20 @@ struct RegulateCommand {
         options.missing = missing;
         options.brake_deviation = life_deviation.value_or(asked.deviations.brake);
         options.tyre_deviation = tyre_deviation.value_or(asked.deviations.tyre);
-        options.inspection = {.landings = inspection,
-                              .error = inspection_error.value_or(asked.deviations.inspection),
-                              .brake_spread = asked.deviations.brake,
-                              .tyre_spread = asked.deviations.tyre};
-        options.references.emplace(asked.floor, asked.rules.j_mu_floor, asked.rules.default_reference);
+        options.each.inspection = {.landings = inspection,
+                                   .error = inspection_error.value_or(asked.deviations.inspection),
+                                   .brake_spread = asked.deviations.brake,
+                                   .tyre_spread = asked.deviations.tyre};
+        options.each.references.emplace(asked.floor, asked.rules.j_mu_floor, asked.rules.default_reference);
         constexpr double kWidest = 0.15;  // of a forecast's interval, over the plan's budget, where the file does not say
-        options.life_forecast.emplace(wear::forecast_model(brake), brake,
-                                      (asked.forecast_widest > 0.0 ? asked.forecast_widest : kWidest) * report.plan.brake_budget_J());
-        options.costs = regulation::costs_of(asked.prices, report.plan);
+        options.each.life_forecast.emplace(wear::forecast_model(brake), brake,
+                                           (asked.forecast_widest > 0.0 ? asked.forecast_widest : kWidest) * report.plan.brake_budget_J());
+        options.each.costs = regulation::costs_of(asked.prices, report.plan);
         options.scenarios = sites.sites.size();
         options.worst_stops = floor_check && !by_table;
         for (const LandingSite& site : sites.sites) {
-            options.allowed_on.push_back(asked.range_on(site.surface));
-            options.surface_of.push_back(static_cast<std::size_t>(asked.floor.find(site.surface) - asked.floor.rows.data()));
+            options.each.allowed_on.push_back(asked.range_on(site.surface));
+            options.each.surface_of.push_back(static_cast<std::size_t>(asked.floor.find(site.surface) - asked.floor.rows.data()));
         }
         const regulation::BoundProblem problem = problem_of(asked, sites, report.plan, options);
         std::array<std::optional<regulation::Bound>, 2> bounds;  // told the surface, and not
@@ -87,7 +87,7 @@ struct RegulateCommand {
             one.told = i == 0;
             bounds.at(i).emplace(std::move(one));
         });
-        options.bound = &*bounds[0];
+        options.each.bound = &*bounds[0];
         report.cost_bound = bounds[0]->per_landing();
         report.cost_untold = bounds[1]->per_landing();
         report.cost_unshared = regulation::cost_unshared(problem);
@@ -121,7 +121,7 @@ struct RegulateCommand {
     /// The lives' pairs as they really are, on landings as the sites make them.
     [[nodiscard]] static regulation::BoundProblem problem_of(const wear::RegulationConfig& asked, const LandingSites& sites,
                                                              const wear::WearPlan& plan, const regulation::FleetOptions& options) {
-        regulation::BoundProblem problem{.table = asked.floor, .allowed = {}, .landing_J = {}, .costs = options.costs, .begins = {}};
+        regulation::BoundProblem problem{.table = asked.floor, .allowed = {}, .landing_J = {}, .costs = options.each.costs, .begins = {}};
         for (const wear::SurfaceTable::Row& row : asked.floor.rows) problem.allowed.push_back(asked.range_on(row.surface));
         for (const LandingSite& site : sites.sites) {  // a maneuver brings the same energy on every surface
             if (site.surface == sites.sites.front().surface) problem.landing_J.push_back(site.kinetic_J());
@@ -178,7 +178,7 @@ LabVerb regulate_verb(CLI::App& lab) {
         ->check(CLI::Range(0.01, 0.5))
         ->capture_default_str();
     verb->add_option("--landings", command->landings, "planned landing, instead of the plan's")->check(CLI::Range(2, 1'000'000));
-    verb->add_option("--seed", command->seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_seed(*verb, command->seed)->check(CLI::NonNegativeNumber);
     settings::add_choice(*verb, "--mix", command->mix, {{"random", Mix::random}, {"balanced", Mix::balanced}},
                          "random: each landing any surface and maneuver; balanced: all equally often, in random order");
     verb->add_option("--missing", command->missing, "share of landings whose measurements are lost")

@@ -147,8 +147,8 @@ std::string to_json(const RegulateReport& r) {
                         {"missing", r.options.missing},
                         {"life_deviation", r.options.brake_deviation},
                         {"tyre_deviation", r.options.tyre_deviation},
-                        {"inspection_landings", r.options.inspection.landings},
-                        {"inspection_error", r.options.inspection.error},
+                        {"inspection_landings", r.options.each.inspection.landings},
+                        {"inspection_error", r.options.each.inspection.error},
                         {"cost_bound", r.cost_bound},
                         {"cost_untold", r.cost_untold},
                         {"cost_unshared", r.cost_unshared},
@@ -179,7 +179,7 @@ std::string to_json(const RegulateReport& r) {
         policies.push_back(std::move(one));
     }
     json["policies"] = std::move(policies);
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_csv(const RegulateReport& r) {

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "plant_sim/study/run_many.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
@@ -21,26 +22,13 @@ namespace plant_sim::lab {
 
 namespace {
 
-std::uint8_t phase_code(std::string_view name) {
-    const auto& names = antiskid::can::kPhaseNames;
-    return static_cast<std::uint8_t>(std::distance(names.begin(), std::find(names.begin(), names.end(), name)));
-}
+/// The rig's phase for each phase of the pilot's landing: the meter reads the rig's phases.
+constexpr std::array<std::string_view, 6> kRigPhases{"settling", "settling", "braking", "standstill", "retract", "retract"};
 
-/// The rig's phases stand in the telemetry that the meter reads; the pilot's landing has those of them that matter.
 std::uint8_t phase_code(study::StopPhase phase) {
-    switch (phase) {
-        case study::StopPhase::approach:
-        case study::StopPhase::rolling:
-            return phase_code("settling");
-        case study::StopPhase::braking:
-            return phase_code("braking");
-        case study::StopPhase::standstill:
-            return phase_code("standstill");
-        case study::StopPhase::released:
-        case study::StopPhase::done:
-            break;
-    }
-    return phase_code("retract");
+    const auto& names = antiskid::can::kPhaseNames;
+    const auto* const found = std::find(names.begin(), names.end(), kRigPhases[static_cast<std::size_t>(phase)]);
+    return static_cast<std::uint8_t>(std::distance(names.begin(), found));
 }
 
 rig::record::MeterSample sample_of(const study::RigSession& session) {
@@ -122,12 +110,11 @@ double LandingSites::deviation_J() const {
 
 LandingSites load_sites(const std::filesystem::path& config) {
     const auto controller = config / "controller.toml";
-    const auto dbc = config / "antiskid.dbc";
-    const auto binding = config / "antiskid_binding.toml";
+    const antiskid::LayoutFiles layout(config);
     LandingSites s{.sites = {},
                    .controller = antiskid::load_controller_config(controller),
-                   .layout = antiskid::can::load_layout(dbc, binding),
-                   .files = {controller, dbc, binding}};
+                   .layout = layout.load(),
+                   .files = {controller, layout.dbc, layout.binding}};
     for (const std::string& surface : rig::surface_names(config)) {
         for (const std::string& maneuver : rig::maneuver_names(config)) {
             rig::ManeuverChoice choice;

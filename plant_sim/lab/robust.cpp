@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <csignal>
 #include <memory>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -33,7 +32,7 @@ struct RobustCommand {
         if (team.rank() != 0) return 0;
         if (rows.size() < plan.stops()) {
             fmt::print(stderr, "rig-lab: stopped after {} of {} stops; nothing is written\n", rows.size(), plan.stops());
-            return signals.number() == SIGINT ? 130 : 1;
+            return signals.exit_status();
         }
         const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
         settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));
@@ -43,7 +42,8 @@ struct RobustCommand {
                     robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION, out.string(),
                     pictures ? " robust.png" : "");
         bool sound = true;
-        for (const robust::Summary& s : summaries) sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.tripped == 0);
+        for (const robust::Summary& s : summaries)
+            sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.brakes_released == 0);
         return sound ? 0 : 1;
     }
 };
@@ -68,7 +68,7 @@ LabVerb robust_verb(CLI::App& lab) {
     verb->add_option("--draws", command->options.draws, "of each family that is drawn; a multiple of 14 has all landings equally often")
         ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}))
         ->capture_default_str();
-    verb->add_option("--seed", command->options.seed, "of the draws: 1 to tune with, others to report")->capture_default_str();
+    settings::add_seed(*verb, command->options.seed, "of the draws: 1 to tune with, others to report");
     settings::existing_file(
         verb->add_option("--controller", command->options.controller, "controller configuration (default: CONFIG/controller.toml)"));
     settings::existing_file(verb->add_option("--ranges", command->options.ranges, "what is drawn (default: CONFIG/uncertainty.toml)"));
@@ -76,7 +76,7 @@ LabVerb robust_verb(CLI::App& lab) {
     settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of stops.csv, results.json and robust.png");
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer(
         "Examples:\n"
         "  rig-lab robust\n"
@@ -85,7 +85,8 @@ LabVerb robust_verb(CLI::App& lab) {
         "  rig-lab robust --families patches --laws told_peak,peak_slip,slip --draws 1000 --seed 4\n"
         "  rig-lab robust --families changes --laws slip,peak_slip   friction after a change of surface\n"
         "  rig-lab robust --families brake_on --laws peak_slip,soonest  brake-on from 12 to 61 m/s, and what the valve leaves of it\n"
-        "Exit status: 0 no stop under the slip law ended safe; 1 some did; 2 mistake on the command line or in a file; 130 stopped by Ctrl-C.");
+        "Exit status: 0 the slip law wrongly released the brakes in no stop; 1 in some; 2 mistake on the command line or in a file; 130 stopped by "
+        "Ctrl-C.");
     return {verb, [command] { return in_team([command](study::team::Team& team) { return command->run(team); }); }};
 }
 

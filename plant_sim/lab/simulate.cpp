@@ -81,8 +81,8 @@ struct FailingCommand {
                         one["seed"].template get<std::uint64_t>());
         }
         if (failed.empty()) print_table(json_file, "  everything held\n");
-        write_json(out / "results.json", json_file, result.dump(2) + "\n");
-        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        write_json(out / "results.json", json_file, settings::json_page(result));
+        if (signals.stop().load()) return signals.exit_status();
         return failed.empty() ? 0 : 1;
     }
 

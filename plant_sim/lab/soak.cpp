@@ -50,7 +50,7 @@ struct SoakCommand {
         const auto json = out / "soak.json";
         write_json(json, json_file, endurance::to_json(result, setup, seed));
         print_table(json_file, "  {}\n", json.string());
-        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        if (signals.stop().load()) return signals.exit_status();
         return violations.empty() ? 0 : 1;
     }
 };
@@ -65,9 +65,7 @@ LabVerb soak_verb(CLI::App& lab) {
         ->check(CLI::Range(0.01, 10'000.0))
         ->capture_default_str();
     settings::existing_file(verb->add_option("--scenario", command->scenario, "scenario file (default: CONFIG/scenarios/heavy.toml)"));
-    verb->add_option("--seed", command->seed, "seed of every random draw")
-        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
-        ->capture_default_str();
+    settings::add_seed(*verb, command->seed)->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}));
     settings::add_json(*verb, command->json_file, "result");
     settings::add_out(*verb, command->out, "directory of the result");
     settings::add_config_directory(*verb, command->config);

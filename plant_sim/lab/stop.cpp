@@ -19,7 +19,7 @@ struct StopCommand {
     StopOptions scenario;
     std::string json;
     std::string trajectory;
-    std::string picture;
+    std::filesystem::path picture;
     std::string bus_log;
 
     int run() const {
@@ -41,11 +41,7 @@ struct StopCommand {
             log.append(line.data(), length).push_back('\n');
         };
         const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, on_step, on_frame);
-        study::StopReport report = s.report(scenario);
-        report.figures = result.figures;
-        report.faults = result.faults;
-        report.frames_sent = result.frames_sent;
-        report.frames_received = result.frames_received;
+        const study::StopReport report = s.report(scenario, result);
         if (json != "-") fmt::print("{}", study::to_table(report));
         if (!json.empty()) settings::deliver(json, study::to_json(report));
         if (!bus_log.empty()) settings::deliver(bus_log, log);
@@ -65,7 +61,7 @@ LabVerb stop_verb(CLI::App& lab) {
     stop->scenario.brake.add_to(*verb);
     settings::add_json(*verb, stop->json, "result");
     settings::result_file(verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output"));
-    settings::result_file(verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG), as SVG and data beside it, too"));
+    settings::add_picture(*verb, stop->picture, "speeds, slip and pressures");
     settings::result_file(verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them"));
     verb->footer(
         "Examples:\n"

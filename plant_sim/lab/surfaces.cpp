@@ -45,7 +45,7 @@ struct SurfacesCommand {
         }
         const std::array<std::filesystem::path, 1> files{config / "surfaces.toml"};
         const settings::Json json{{"study", "surfaces"}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"surfaces", rows}};
-        write_json(out / "results.json", json_file, json.dump(2) + "\n");
+        write_json(out / "results.json", json_file, settings::json_page(json));
         if (pictures) draw_surfaces(surfaces, {}, out / "surfaces.png");
         print_table(json_file, "{}Written to {}: results.json{}\n", table.text(), out.string(), pictures ? " surfaces.png" : "");
         return 0;
@@ -60,7 +60,7 @@ LabVerb surfaces_verb(CLI::App& lab) {
     settings::add_config_directory(*verb, command->config);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of results.json and surfaces.png");
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer("Example:\n  rig-lab surfaces --out out/surfaces");
     return {verb, [command] { return command->run(); }};
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -87,11 +86,10 @@ struct SweepCommand {
         };
         const std::vector<sweep::Row> rows = sweep::run_together(study, work, team);
         if (progress) progress->finish();
-        const bool interrupted = signals.stop().load();
         if (team.rank() != 0) return 0;
         if (rows.size() < study.stops()) {
             fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(), study.stops(), work.part.string());
-            return interrupted && signals.number() == SIGINT ? 130 : 1;
+            return signals.exit_status();
         }
         const sweep::Identity identity = sweep::identity_of(study);
         const sweep::Summary summary = sweep::summarised(identity, rows);
@@ -121,12 +119,12 @@ LabVerb sweep_verb(CLI::App& lab) {
         ->check(CLI::Range(std::size_t{1}, kMaxLandings))
         ->capture_default_str();
     verb->add_flag("!--no-threshold", command->plan.threshold, "without the threshold law");
-    verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, command->plan.seed);
     settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer(kFooter);
     return {verb, [command] { return command->run(); }};
 }

@@ -55,10 +55,10 @@ LabVerb trade_verb(CLI::App& lab) {
     verb->add_option("--resamples", trade->options.resamples, "of the landings, for the 95 % intervals")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
-    verb->add_option("--seed", trade->options.seed, "of the resamples")->capture_default_str();
+    settings::add_seed(*verb, trade->options.seed, "of the resamples");
     settings::add_json(*verb, trade->json_file, "results");
     settings::add_out(*verb, trade->out, "directory of results.json and trade.png");
-    verb->add_flag("!--no-pictures", trade->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, trade->pictures);
     verb->footer(
         "Examples:\n"
         "  rig-lab trade --brake-price 1 --tyre-price 3 --min-j-mu 0.95\n"

@@ -13,7 +13,6 @@
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/tune_law.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/margins_input.hpp"
 #include "plant_sim/study/margins/tune.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
@@ -70,10 +69,7 @@ std::string creep_table(const margins::MarginsInput& input, const margins::Study
         "surface|maneuver|at and below (m/s):.1f|at drop-out: stable pole (rad/s):.0f|upward margin (dB):.1f|k_answer that would have it:.2f");
     rows = Json::array();
     for (const margins::StopConditions& s : input.cases) {
-        const auto pole = [&](double v) {
-            const double slip = options.low_speed_fall ? margins::scheduled_slip(law, options.slip_reference, v) : options.slip_reference;
-            return margins::operating_point(s.rig, v, slip).wheel_pole_radps(margins::Linearisation::full);
-        };
+        const auto pole = [&](double v) { return options.equilibrium(s.rig, law, v).wheel_pole_radps(margins::Linearisation::full); };
         const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
         const auto at = std::find_if(speeds.begin(), speeds.end(),
                                      [&](double v) { return margins::creep_margin_dB(pole(v), k_answer, k_p) < options.requirement.gain_dB; });
@@ -176,7 +172,7 @@ struct TuneCommand {
         print_table(json_file, "\n{}\n{}", table, creep_table(input, options, creeping));
         json["infeasible_at_constant_slip"] = infeasible;
         json["creeping"] = creeping;
-        write_json(out / "results.json", json_file, json.dump(2) + "\n");
+        write_json(out / "results.json", json_file, settings::json_page(json));
         print_table(json_file, "Written to {}: results.json{}\n", out.string(), law && !check ? " slip.toml" : "");
         return status;
     }

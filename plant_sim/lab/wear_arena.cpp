@@ -148,7 +148,7 @@ struct ArenaCommand {
                 {"watch", json_of(result.watch[i].watch)}, {"difference_of_means", json_of(result.watch[i].difference)}};
         print_table(json_file, "Glazing found, limits from {} lives of the law, watch and difference of two means of ten:\n{}",
                     wear::arena::kLimitLives, watch_table(plan.laws, result.watch));
-        write_json(out / "arena.json", json_file, json.dump(2) + "\n");
+        write_json(out / "arena.json", json_file, settings::json_page(json));
         print_table(json_file, "{} seeds, configuration {}\nWritten to {}: arena.json\n", seeds, hash, out.string());
         return 0;
     }

@@ -93,7 +93,7 @@ LabVerb wear_dynamics_verb(CLI::App& wear) {
     settings::add_layout_files(*verb, command->files.dbc, command->files.binding);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of dynamics.json, friction_curves.toml and dynamics.png");
-    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, command->pictures);
     verb->footer(
         "Examples:\n"
         "  rig-lab wear dynamics runs/light runs/medium runs/heavy\n"

@@ -90,14 +90,14 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     verb->add_option("--starts", fit->settings.starts, "random starts for each number of components")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
-    verb->add_option("--seed", fit->settings.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, fit->settings.seed);
     verb->add_option("--floor", fit->settings.em.covariance_floor, "least eigenvalue of a covariance matrix on standardised data")
         ->check(CLI::Range(1e-9, 1.0))
         ->capture_default_str();
     settings::add_threads(*verb, fit->threads);
     settings::add_json(*verb, fit->json_file, "results");
     settings::add_out(*verb, fit->out, "directory of model.json, campaign.csv and the pictures");
-    verb->add_flag("!--no-pictures", fit->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, fit->pictures);
     verb->footer("Examples:\n  rig-lab wear fit out/endurance\n  rig-lab wear fit measured.csv --components 6 --out out/mine");
     return {verb, [fit] { return fit->run(); }};
 }

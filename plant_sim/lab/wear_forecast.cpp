@@ -85,7 +85,7 @@ struct ForecastCommand {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
         print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix));
-        write_json(out / "forecast.json", json_file, answer.json.dump(2) + "\n");
+        write_json(out / "forecast.json", json_file, settings::json_page(answer.json));
         if (pictures) draw_forecast(recorded, answer.forecast, resolved.settings.limit, out / "forecast.png");
         print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
         return 0;
@@ -130,7 +130,7 @@ struct ForecastCommand {
         Json json = wear::json_head(resolved, file);
         json["brakes"] = brakes.size();
         json["rows"] = std::move(rows);
-        write_json(out / "back_test.json", json_file, json.dump(2) + "\n");
+        write_json(out / "back_test.json", json_file, settings::json_page(json));
         print_table(json_file, "Written to {}: back_test.json\n", out.string());
         const double pooled = t.pooled.coverage();
         return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
@@ -164,14 +164,14 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     verb->add_option("--last", f->request.last, "learn from the newest N maneuvers only; 0: all")->capture_default_str();
     verb->add_option("--horizon", f->request.horizon, "landings")->check(CLI::Range(1, 1'000'000))->capture_default_str();
     verb->add_option("--draws", f->request.draws, "possible futures")->check(CLI::Range(100, 1'000'000))->capture_default_str();
-    verb->add_option("--seed", f->request.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, f->request.seed);
     settings::add_config_directory(*verb, f->request.config);
     settings::existing_directory(verb->add_option("--back-test", f->back_test,
                                                   "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
                                                   "against its end; status 0 when 70 to 90 % are held"));
     settings::add_json(*verb, f->json_file, "results");
     settings::add_out(*verb, f->out, "directory of forecast.json and forecast.png, or back_test.json");
-    verb->add_flag("!--no-pictures", f->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, f->pictures);
     verb->footer(
         "Examples:\n"
         "  rig-lab wear forecast out/endurance --model mine.json --limit 0.2\n"

@@ -59,7 +59,7 @@ LabVerb wear_population_verb(CLI::App& wear) {
         "campaigns of other brakes that were healthy: health limits are learnt from them (default: from the same brakes, each given the others)"));
     add_out_of_tolerance_flag(*verb, command->off);
     add_origin(*verb, command->origin);
-    verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, command->settings.fit.seed);
     settings::add_threads(*verb, command->settings.threads);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of population.json");

@@ -85,7 +85,7 @@ struct SimulateCommand {
         json["seed"] = seed;
         json["version"] = ANTISKID_VERSION;
         json["config_hash"] = settings::hash(files);
-        write_json(out / "simulated.json", json_file, json.dump(2) + "\n");
+        write_json(out / "simulated.json", json_file, settings::json_page(json));
         settings::deliver((out / "simulated.csv").string(), wear::to_csv(simulated));
         draw_resimulation(recorded, simulated, out / "simulated.png");
         print_table(json_file, "Written to {}: simulated.csv simulated.json simulated.png\n", out.string());
@@ -140,7 +140,7 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
     verb->add_option("--maneuver", simulate->maneuver, "whose rig makes the stops: endurance, or one of maneuvers.toml")->capture_default_str();
     settings::add_config_directory(*verb, simulate->config);
     add_rule_options(*verb, simulate->rule);
-    verb->add_option("--seed", simulate->seed, "seed of every random draw")->capture_default_str();
+    settings::add_seed(*verb, simulate->seed);
     settings::add_json(*verb, simulate->json_file, "results");
     settings::add_out(*verb, simulate->out, "directory of the results");
     verb->footer(

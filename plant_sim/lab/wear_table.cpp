@@ -21,7 +21,7 @@ std::string as_json(const wear::Campaign& data) {
                         {"cumulative_energy_J", data.points[i].c_e_J}});
     const settings::Json table{
         {"source", data.source}, {"data_hash", wear::data_hash(data)}, {"version", ANTISKID_VERSION}, {"maneuvers", std::move(rows)}};
-    return table.dump(2) + "\n";
+    return settings::json_page(table);
 }
 
 struct TableCommand {

@@ -68,7 +68,7 @@ struct WatchCommand {
                         {"data_hash", wear::data_hash(recorded)},
                         {"health", wear::name(before)},
                         {"maneuvers", std::move(list)}};
-        write_json(out / "health.json", json_file, json.dump(2) + "\n");
+        write_json(out / "health.json", json_file, settings::json_page(json));
         if (pictures) draw_health(recorded, verdicts, out / "health.png");
         print_table(json_file, "Written to {}: health.json{}\n", out.string(), pictures ? " health.png" : "");
         return before == wear::Condition::abnormal ? 1 : 0;
@@ -113,7 +113,7 @@ struct WatchCommand {
             {"healthy",
              {{"brakes", h.campaigns}, {"maneuvers", h.maneuvers}, {"flagged", h.flagged}, {"suspected_maneuvers", h.suspected_maneuvers}}},
             {"faults", std::move(rows)}};
-        write_json(out / "watch_trial.json", json_file, json.dump(2) + "\n");
+        write_json(out / "watch_trial.json", json_file, settings::json_page(json));
         print_table(json_file, "Written to {}: watch_trial.json\n", out.string());
         return 0;
     }
@@ -134,10 +134,10 @@ LabVerb wear_watch_verb(CLI::App& wear) {
     verb->add_flag("--trial", watch->trial,
                    "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are flagged when they are put into the "
                    "same campaigns");
-    verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
+    settings::add_seed(*verb, watch->seed, "of the trial: where the faults begin");
     settings::add_json(*verb, watch->json_file, "results");
     settings::add_out(*verb, watch->out, "directory of health.json and health.png, or watch_trial.json");
-    verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
+    settings::add_no_pictures(*verb, watch->pictures);
     verb->footer(
         "Examples:\n  rig-lab wear watch runs/brake7 --model mine.json\n  rig-lab wear watch measured.csv --model out/wear/model.json\n"
         "  rig-lab wear watch --trial healthy/ --model mine.json\n"

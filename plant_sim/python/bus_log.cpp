@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/python/arrays.hpp"
 #include "rig_bridge/replay/measured_signals.hpp"
@@ -25,8 +25,7 @@ struct Read {
 
 Read read(const LogFiles& files) {
     const std::filesystem::path config = files.config.empty() ? settings::config_directory() : files.config;
-    const auto layout = antiskid::can::load_layout(files.dbc.empty() ? config / "antiskid.dbc" : files.dbc,
-                                                   files.binding.empty() ? config / "antiskid_binding.toml" : files.binding);
+    const auto layout = antiskid::LayoutFiles(config, files.dbc, files.binding).load();
     const rig::Scenario scenario = rig::load_scenario(config / "scenarios" / (files.scenario + ".toml"), config);
     const rig::record::MeterParameters parameters = rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
     Read out;

@@ -131,13 +131,9 @@ constexpr std::array<Figure, 14> kFigures{{
 Scenario::Scenario(const py::kwargs& keywords) : options_(options_of(keywords)), inputs_(load_scenario(options_)) {}
 
 py::object Scenario::figures(const study::RunResult& result, double slip_reference, std::uint64_t seed) const {
-    study::StopReport report = inputs_.report(options_);
+    study::StopReport report = inputs_.report(options_, result);
     report.slip_reference = slip_reference;
     report.seed = seed;
-    report.figures = result.figures;
-    report.faults = result.faults;
-    report.frames_sent = result.frames_sent;
-    report.frames_received = result.frames_received;
     return py::module_::import("json").attr("loads")(study::to_json(report));
 }
 

@@ -49,7 +49,7 @@ class CellCampaign {
           audit_(disk_),
           account_(0.5 * setup.bridge.meter.flywheel_mass_kg * plan_.speed_mps * plan_.speed_mps),
           recomputed_(setup.bridge, disk_),
-          bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { witness(end, frame, damaged); }),
+          bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { observe_frame(end, frame, damaged); }),
           at_rig_(bus_.connect()),
           at_controller_(bus_.connect()),
           bridge_send_bus_(bus_.connect(true)),
@@ -287,7 +287,7 @@ class CellCampaign {
 
     // --- invariants ---
 
-    void witness(const FaultyBus::End& end, const Frame& frame, bool damaged) {
+    void observe_frame(const FaultyBus::End& end, const Frame& frame, bool damaged) {
         if (damaged) return;
         if (&end == &at_controller_) judge_.controller_received(frame);
         if (&end == &at_rig_) judge_.rig_received(frame);

@@ -11,7 +11,7 @@ std::size_t FaultyBus::End::receive(std::span<Frame> frames) {
     std::size_t count = 0;
     for (; count < frames.size() && !queue_.empty() && queue_.front().frame.received <= bus_.now_; ++count) {
         frames[count] = queue_.front().frame;
-        bus_.witness_(*this, frames[count], queue_.front().damaged);
+        bus_.observe_(*this, frames[count], queue_.front().damaged);
         queue_.pop_front();
     }
     return count;

@@ -57,9 +57,9 @@ class FaultyBus {
     };
 
     /// Called with each frame that an end receives, and whether it was damaged.
-    using Witness = std::function<void(const End& end, const antiskid::can::Frame& frame, bool damaged)>;
+    using Observer = std::function<void(const End& end, const antiskid::can::Frame& frame, bool damaged)>;
 
-    FaultyBus(wear::Generator& draw, Witness witness) : draw_(draw), witness_(std::move(witness)) {}
+    FaultyBus(wear::Generator& draw, Observer observe) : draw_(draw), observe_(std::move(observe)) {}
     FaultyBus(const FaultyBus&) = delete;
     FaultyBus& operator=(const FaultyBus&) = delete;
 
@@ -70,7 +70,7 @@ class FaultyBus {
 
   private:
     wear::Generator& draw_;
-    Witness witness_;
+    Observer observe_;
     std::deque<End> ends_;
     antiskid::can::Time now_{};
     std::array<std::uint64_t, kFrameFaults> fault_counts_{};

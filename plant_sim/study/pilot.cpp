@@ -8,24 +8,6 @@ namespace {
 constexpr double kRounding_s = 1e-9;
 }
 
-const char* name(StopPhase phase) {
-    switch (phase) {
-        case StopPhase::approach:
-            return "approach";
-        case StopPhase::rolling:
-            return "rolling";
-        case StopPhase::braking:
-            return "braking";
-        case StopPhase::standstill:
-            return "standstill";
-        case StopPhase::released:
-            return "released";
-        case StopPhase::done:
-            return "done";
-    }
-    return "?";
-}
-
 Pilot::Pilot(ManeuverPlan plan) : plan_(std::move(plan)) {}
 
 void Pilot::update(double time_s, bool standstill) {

@@ -1,6 +1,9 @@
 /// The pilot of a maneuver: approach, touchdown, brake-on with a step to full demand, standstill, release.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <string_view>
 #include <vector>
 
 #include "firmware/can/rig_sample.hpp"
@@ -29,7 +32,10 @@ struct ManeuverPlan {
 };
 
 enum class StopPhase { approach, rolling, braking, standstill, released, done };
-[[nodiscard]] const char* name(StopPhase phase);
+inline constexpr std::array<std::string_view, 6> kStopPhaseNames{"approach", "rolling", "braking", "standstill", "released", "done"};
+[[nodiscard]] constexpr std::string_view name(StopPhase phase) {
+    return kStopPhaseNames[static_cast<std::size_t>(phase)];
+}
 
 class Pilot {
   public:

@@ -43,7 +43,7 @@ std::string to_json(const StopReport& r) {
         {"version", r.version},
         {"config_hash", r.config_hash},
     };
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_table(const StopReport& r) {

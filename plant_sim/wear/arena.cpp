@@ -178,14 +178,15 @@ Left left_of(const Forecast& f) {
     return out;
 }
 
+/// Landings until the brake is below its limit.
+int landings_of(Brake brake, const Plan& plan, Generator generator) {
+    int n = 0;
+    for (; brake.condition() >= plan.settings.limit && n < kHorizon; ++n) brake.land(landing_energy_J(plan.settings, generator), generator);
+    return n;
+}
+
 Left oracle_left(const Brake& brake, const Plan& plan, std::uint64_t seed) {
-    return drawn_left([&](std::size_t i) {
-        Brake own = brake;
-        Generator generator = generator_of(seed, 1000 + i);
-        int n = 0;
-        for (; own.condition() >= plan.settings.limit && n < kHorizon; ++n) own.land(landing_energy_J(plan.settings, generator), generator);
-        return n;
-    });
+    return drawn_left([&](std::size_t i) { return landings_of(brake, plan, generator_of(seed, 1000 + i)); });
 }
 
 /// Landings until the brake has taken the energy of its life.
@@ -221,13 +222,7 @@ Tally judge_told(const Plan& plan, Law law, std::uint64_t seed) {
         }
         while (asked(tenth, i, points.size())) {
             const std::vector<Brake> brakes = filter.drawn(kDraws);
-            const Left left = drawn_left([&](std::size_t k) {
-                Brake own = brakes[k];
-                Generator generator = generator_of(seed, 8000 + k);
-                int n = 0;
-                for (; own.condition() >= plan.settings.limit && n < kHorizon; ++n) own.land(landing_energy_J(plan.settings, generator), generator);
-                return n;
-            });
+            const Left left = drawn_left([&](std::size_t k) { return landings_of(brakes[k], plan, generator_of(seed, 8000 + k)); });
             out.landings(tenth - 1, left, static_cast<double>(points.size() - i));
         }
         filter.learn(points[i]);

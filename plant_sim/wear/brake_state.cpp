@@ -47,7 +47,7 @@ std::string to_json(const BrakeState& state, const BrakeWear& wear) {
                     {"maneuvers", state.maneuvers},
                     {"cumulative_energy_J", state.c_e_J},
                     {"check_sum", check_sum(hash, state)}};
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 BrakeState brake_state_from_json(const std::string& name, std::string_view text, const BrakeWear& wear) {

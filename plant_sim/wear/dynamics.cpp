@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <utility>
 
+#include "plant_sim/study/order_statistics.hpp"
 #include "plant_sim/wear/robust_curve.hpp"
 
 namespace wear {
@@ -44,10 +46,7 @@ double median_pressure_Pa(const RecordedStop& stop) {
     pressures.reserve(stop.samples.size());
     for (const BrakeSample& s : stop.samples)
         if (s.speed_mps < stop.brake_on_mps && s.pressure_Pa > 0.0) pressures.push_back(s.pressure_Pa);
-    if (pressures.empty()) return 0.0;
-    const auto middle = pressures.begin() + static_cast<std::ptrdiff_t>(pressures.size() / 2);
-    std::nth_element(pressures.begin(), middle, pressures.end());
-    return *middle;
+    return study::median(std::move(pressures));
 }
 
 /// Sum over k of b_k (x^k - 1 / (k + 1)) + 1 as powers of x; d(curve) = T d(b).
@@ -204,8 +203,7 @@ std::vector<FrictionSample> friction_samples(const RecordedStop& stop, const Dyn
     std::vector<double> mu;
     mu.reserve(out.size());
     for (const FrictionSample& s : out) mu.push_back(s.mu_b);
-    std::nth_element(mu.begin(), mu.begin() + static_cast<std::ptrdiff_t>(mu.size() / 2), mu.end());
-    const double middle = mu[mu.size() / 2];
+    const double middle = study::median(std::move(mu));
     if (!(middle >= kMinInStop && middle <= kGreatestInStop))
         throw Error(stop.source, 0, "",
                     fmt::format("mu_b is {:.4g} in the middle, expected {} to {}: check the units of torque "

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "plant_sim/study/order_statistics.hpp"
 
 namespace wear {
 
@@ -33,13 +36,6 @@ double bisquare_loss(double u) {
     return q > 0.0 ? 1.0 - q * q * q : 1.0;
 }
 
-double median(std::vector<double>& values) {
-    if (values.empty()) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 double curve_at(const Vector3d& b, double x) {
     return 1.0 + b.dot(centred_powers(x));
 }
@@ -49,7 +45,7 @@ std::vector<double> median_means(const std::vector<const CurveSample*>& samples,
     std::vector<std::vector<double>> ratios(stops);
     for (const CurveSample* s : samples) ratios[s->stop].push_back(s->mu / curve_at(b, s->x));
     std::vector<double> out(stops);
-    for (std::size_t i = 0; i < stops; ++i) out[i] = median(ratios[i]);
+    for (std::size_t i = 0; i < stops; ++i) out[i] = study::median(std::move(ratios[i]));
     return out;
 }
 
@@ -61,7 +57,7 @@ double scale_of(const std::vector<const CurveSample*>& samples, const CurveFit& 
     std::vector<double> sizes;
     sizes.reserve(samples.size());
     for (const CurveSample* s : samples) sizes.push_back(std::abs(residual(*s, fit.means[s->stop], fit.b)));
-    return std::max(kMadToDeviation * median(sizes), kMinScale);
+    return std::max(kMadToDeviation * study::median(std::move(sizes)), kMinScale);
 }
 
 /// One step of weighted least squares: b given the means, then the means given b. Returns the greatest relative change.

@@ -2,9 +2,9 @@
 
 #include <stdexcept>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/settings.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
@@ -35,34 +35,33 @@ Freshness load_freshness(const std::filesystem::path& file, const RegisterMap& m
 }  // namespace
 
 BridgeSetup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& also) {
-    const auto dbc = o.dbc.empty() ? o.config / "antiskid.dbc" : o.dbc;
-    const auto binding = o.binding.empty() ? o.config / "antiskid_binding.toml" : o.binding;
+    const antiskid::LayoutFiles layout(o.config, o.dbc, o.binding);
     const auto registers = o.registers.empty() ? o.config / "registers.toml" : o.registers;
     record::check_texts(o.specimen);
     if (!o.on_abort.empty()) check_hook(o.on_abort);
     const Scenario scenario = load_scenario(o.scenario, o.config);
     BridgeSetup s{.options = o,
                   .scenario = scenario,
-                  .layout = antiskid::can::load_layout(dbc, binding, {.pressure_Pa = scenario.rig.full_pressure_Pa}),
+                  .layout = layout.load({.pressure_Pa = scenario.rig.full_pressure_Pa}),
                   .map = load_register_map(registers),
                   .meter = {},
                   .limits = {},
                   .config_hash = {}};
     if (!s.layout.maneuver.has(static_cast<antiskid::control::Law>(s.scenario.mean.law)))
-        throw std::invalid_argument(dbc.string() + ": the law's field is too narrow for the scenario's law");
+        throw std::invalid_argument(layout.dbc.string() + ": the law's field is too narrow for the scenario's law");
     const auto controller = antiskid::load_controller_config(s.scenario.controller);
     s.meter = meter_parameters(s.scenario, controller);
     if (!s.layout[Role::maneuver_state].bound)
-        throw std::invalid_argument(binding.string() + ": [maneuver_state] is missing: figures are counted from it, the bridge needs it");
+        throw std::invalid_argument(layout.binding.string() + ": [maneuver_state] is missing: figures are counted from it, the bridge needs it");
     if (o.lockstep && !s.layout.sync_counter.bound())
-        throw std::invalid_argument(binding.string() + ": [sync] has no number: --clock sync steps by it");
+        throw std::invalid_argument(layout.binding.string() + ": [sync] has no number: --clock sync steps by it");
     if (o.lockstep && !s.map.bridge_turn)
         throw std::invalid_argument(registers.string() +
                                     ": [virtual.bridge_turn] is missing: --clock sync needs a virtual PLC that waits for the bridge");
     const auto bridge = o.config / "bridge.toml";
     s.limits = load_freshness(bridge, s.map);
     std::vector<std::filesystem::path> files = s.scenario.files;
-    files.insert(files.end(), {dbc, binding, registers, bridge});
+    files.insert(files.end(), {layout.dbc, layout.binding, registers, bridge});
     files.insert(files.end(), also.begin(), also.end());
     s.config_hash = settings::hash(files);
     return s;

@@ -25,7 +25,7 @@ std::optional<Hold> read_hold(const std::filesystem::path& campaign) {
 
 void write_hold(const std::filesystem::path& campaign, const Hold& hold) {
     const settings::Json json{{"who", hold.who}, {"since", hold.since}, {"why", hold.why}};
-    settings::write_file(hold_file(campaign), json.dump(2) + "\n");
+    settings::write_file(hold_file(campaign), settings::json_page(json));
 }
 
 bool remove_hold(const std::filesystem::path& campaign) {

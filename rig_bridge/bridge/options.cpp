@@ -42,7 +42,7 @@ void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* 
     auto* const rtu = app.add_option("--plc-rtu", plc.rtu, "the serial line of the PLC's Modbus RTU")->type_name("DEVICE");
     tcp->excludes(rtu);
     settings::add_out(app, o.out, out);
-    app.add_option("--seed", o.seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_seed(app, o.seed)->check(CLI::NonNegativeNumber);
     settings::add_config_directory(app, o.config);
     settings::add_layout_files(app, o.dbc, o.binding);
     settings::existing_file(app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)"));
@@ -106,7 +106,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     PlcOptions campaign_plc;
     CLI::App* const one = app.add_subcommand("maneuver", "one maneuver into a folder");
     add_rig_options(*one, maneuver.rig, maneuver_plc, "folder of this maneuver (default: out/SCENARIO-TIME)");
-    settings::result_file(one->add_option("--picture", maneuver.picture, "speeds, slip and pressures (PNG); leaves trajectory.csv, too"));
+    settings::add_picture(*one, maneuver.picture, "speeds, slip and pressures", "; leaves trajectory.csv, too");
     one->add_flag("!--no-cool-down", maneuver.cool_down, "do not wait until the brake is cold enough for the next maneuver");
     CLI::App* const many = app.add_subcommand("campaign", "many maneuvers unattended; the same command resumes");
     add_rig_options(*many, campaign.rig, campaign_plc, "folder of the campaign");

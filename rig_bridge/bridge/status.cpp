@@ -182,7 +182,7 @@ std::string status_json(const std::filesystem::path& ledger) {
         one["maneuvers"] = std::move(list);
         campaigns.push_back(std::move(one));
     }
-    return campaigns.dump(2) + "\n";
+    return settings::json_page(campaigns);
 }
 
 int show_status(const StatusCommand& command) {

@@ -8,11 +8,11 @@
 #include <optional>
 #include <thread>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/can/names.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
@@ -207,9 +207,7 @@ int watch_rig(const WatchCommand& command) {
     constexpr Time kLine{1'000'000'000};
     constexpr Time kMin{600'000'000};    // of --once: speeds need a few edges
     constexpr Time kMax{1'500'000'000};  // of --once, for a bridge that is not heard
-    const antiskid::can::Layout layout =
-        antiskid::can::load_layout(command.dbc.empty() ? command.config / "antiskid.dbc" : command.dbc,
-                                   command.binding.empty() ? command.config / "antiskid_binding.toml" : command.binding);
+    const antiskid::can::Layout layout = antiskid::LayoutFiles(command.config, command.dbc, command.binding).load();
     const Scenario scenario = load_scenario(scenario_file(command), command.config);
     antiskid::host::StopSignals stops;
     Watch watch(command, layout, meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)));

@@ -120,7 +120,7 @@ void write_regulation(const std::filesystem::path& file, const wear::Regulator& 
                     {"tyre_limit_landing", o.tyre.landing},
                     {"tyre_limit_deviation", o.tyre.deviation},
                     {"missed", r.missed()}};
-    settings::write_file(file, json.dump(2) + "\n");
+    settings::write_file(file, settings::json_page(json));
 }
 
 }  // namespace rig::bridge

@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "rig_bridge/pictures/figure.hpp"
@@ -26,14 +26,12 @@ struct CampaignCommand {
     fs::path ledger;
     fs::path config = settings::config_directory();
     fs::path dbc, binding;
-    std::string json, csv, picture;
+    std::string json, csv;
+    std::filesystem::path picture;
     fs::path rebuilt;
 
     int run() const {
-        const antiskid::can::Layout layout = configured([&] {
-            return antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
-                                              binding.empty() ? config / "antiskid_binding.toml" : binding);
-        });
+        const antiskid::can::Layout layout = configured([&] { return antiskid::LayoutFiles(config, dbc, binding).load(); });
         const fs::path place = campaign_folder();
         const std::vector<ManeuverFolder> folders = maneuver_folders(place);
         std::map<std::string, record::MeterParameters> known;
@@ -133,7 +131,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
     settings::add_json(*verb, c->json, "the same");
     settings::result_file(verb->add_option(
         "--rebuild", c->rebuilt, "write a new ledger from the folders, amendments of the old one with it; keep it beside the campaign's folder"));
-    settings::result_file(verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG), as SVG and data beside it, too"));
+    settings::add_picture(*verb, c->picture, "mean friction over cumulative energy");
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "firmware/can/candump.hpp"
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
@@ -72,10 +72,7 @@ struct ExportCommand {
     }
 
     std::uint64_t write_samples(LogWarnings& warnings) const {
-        const auto layout = configured([&] {
-            return antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
-                                              binding.empty() ? config / "antiskid_binding.toml" : binding);
-        });
+        const auto layout = configured([&] { return antiskid::LayoutFiles(config, dbc, binding).load(); });
         const record::MeterParameters rig = configured([&] {
             const Scenario loaded = load_scenario(scenario.empty() ? config / "scenarios" / "heavy.toml" : scenario, config);
             return meter_parameters(loaded, antiskid::load_controller_config(loaded.controller));

@@ -3,8 +3,8 @@
 #include <memory>
 #include <utility>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/json.hpp"
@@ -45,13 +45,12 @@ struct ImportCommand {
 
     int run() const {
         configured([&] { record::check_texts(specimen); });
-        const fs::path dbc_file = dbc.empty() ? config / "antiskid.dbc" : dbc;
-        const fs::path binding_file = binding.empty() ? config / "antiskid_binding.toml" : binding;
-        const auto layout = configured([&] { return antiskid::can::load_layout(dbc_file, binding_file); });
+        const antiskid::LayoutFiles layout_files(config, dbc, binding);
+        const auto layout = configured([&] { return layout_files.load(); });
         const ImportMap loaded = configured([&] { return load_import_map(map); });
         const Scenario scenario = configured([&] { return load_scenario(config / "scenarios" / (loaded.scenario + ".toml"), config); });
         std::vector<fs::path> files = scenario.files;
-        files.insert(files.end(), {dbc_file, binding_file, map});
+        files.insert(files.end(), {layout_files.dbc, layout_files.binding, map});
         files.insert(files.end(), loaded.layout_files.begin(), loaded.layout_files.end());
         const std::string hash = settings::hash(files);
         const record::MeterParameters meter =

@@ -14,13 +14,13 @@ enum class Measured : std::uint8_t {
     map_version,            ///< must match the map, otherwise nothing else is used
     plc_watchdog,           ///< counts up, modulo 65536, at least every 100 ms while the PLC runs
     plc_state,              ///< a PlcState
-    applied_commit,         ///< commit number of the newest command that was applied
-    rejected_commit,        ///< that of the newest refused command (out of range, or not allowed in this state); 0: none
-    interlocks,             ///< bits, see Interlock; a set bit is "good"
+    applied_commit,         ///< commit number of the last accepted command; 0: none
+    rejected_commit,        ///< that of the last rejected command (out of range, or not allowed in this state); 0: none
+    interlocks,             ///< bits, see Interlock; 1: good
     flywheel_speed_mps,     ///< rim speed
     sledge_position_m,      ///< 0 retracted; wheel and rim touch at the PLC's own contact position
     wheel_on_rim,           ///< 0 or 1
-    loading_force_N,        ///< of the loading device's actuator, by its own control
+    loading_force_N,        ///< of the loading device's actuator, the value that its controller uses
     vertical_load_N,        ///< load cell
     longitudinal_force_N,   ///< load cell, positive when the tyre brakes the flywheel
     brake_torque_Nm,        ///< load cell
@@ -39,7 +39,7 @@ enum class Commanded : std::uint8_t {
     load_enable,         ///< 0: contact force only, 1: the law below
     load_base_N,         ///< m g of eq. (2), or the constant force
     load_lift_Ns2pm2,    ///< rho S C_l / 2 of eq. (2); 0: constant
-    reset,               ///< rising edge: leave `tripped` if every interlock is good
+    reset,               ///< a change from 0 to 1 leaves `tripped` if every interlock is good
     commit,
 };
 inline constexpr std::size_t kCommandedCount = 9;
@@ -49,7 +49,7 @@ enum class Interlock : std::uint8_t { emergency_stop_clear, guard_closed, hydrau
 inline constexpr std::size_t kInterlockCount = 4;
 
 enum class PlcState : std::uint8_t {
-    ready,    ///< obeys
+    ready,    ///< follows commands
     tripped,  ///< an interlock opened or the bridge's watchdog stopped: drive off, sledge back, until reset
 };
 

@@ -37,24 +37,24 @@ Measured values are in input registers, commands in holding registers. Addresses
 from 1 and begins with the kind of register. Values of two registers have the {order}; float32 is IEEE 754.
 value = raw x one count, in the unit given. A writer limits a value to its range; a reader rejects a value outside it.
 
-## Measured: input registers (function code 4)
+## Measured values: input registers (function code 4)
 """
     yield from rows(m["input"], "3")
     yield """
-Bits of `interlocks`; a set bit is good:
+Bits of `interlocks` (1: good):
 
 | bit | interlock |
 |---|---|"""
     for name, bit in sorted(m["interlocks"].items(), key=lambda item: item[1]):
         yield f"| {bit} | {name} |"
     yield """
-## Commanded: holding registers (function codes 3, 6, 16, 22, 23)
+## Commands: holding registers (function codes 3, 6, 16, 22, 23)
 """
     yield from rows(m["holding"], "4")
     yield f"""
-To command, write the registers in any number of requests, and `commit` last, with a number that is neither 0 nor the previous one. All of the command
-then takes effect at once, and nothing before. The PLC shows the number in `applied_commit` or `rejected_commit`. Only `bridge_watchdog` needs no
-commit: when it stands still for {m["watchdog"]["bridge_timeout_ms"]} ms, the PLC trips. When `plc_watchdog` stands still for
+To command, write the registers in any number of requests, and `commit` last, with a number that is neither 0 nor the previous one. Only then does the
+command take effect, all of it at once. The PLC shows the number in `applied_commit` or `rejected_commit`. Only `bridge_watchdog` needs no
+commit: when it has not changed for {m["watchdog"]["bridge_timeout_ms"]} ms, the PLC trips. When `plc_watchdog` has not changed for
 {m["watchdog"]["plc_timeout_ms"]} ms, the bridge aborts.
 
 ## Faults of the virtual PLC: holding registers

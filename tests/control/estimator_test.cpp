@@ -337,7 +337,7 @@ TEST_CASE("a bound above what a wheel can turn at bounds nothing", "[CTL-010]") 
     };
     Config c = fixed_config();
     c.observer.road_noise_radps2 = 1e5F;  // so that it follows within these ten readings
-    c.observer.surprise = 1e3F;
+    c.observer.max_mean_innovation = 1e3F;
     Estimator one(c);
     Estimator other(c);
     const float expected = fed(one, false);

@@ -34,7 +34,7 @@ namespace control_test {
                   .road_noise_radps2 = 4000.0F,
                   .answer_noise = 3.5F,
                   .answer_floor_per_s = 100.0F,
-                  .surprise = 6.0F,
+                  .max_mean_innovation = 6.0F,
                   .prediction_share = 0.2F};
     c.slip = {.k_p_per_s = 100.0F,
               .k_i_per_s2 = 200.0F,

@@ -53,7 +53,7 @@ TEST_CASE("in balance at the reference the law asks for the balance", "[CTL-040]
     SlipLaw law = settled(exact_law(), 0.2F, v);
     for (int i = 0; i < 1000; ++i) REQUIRE(law.pressure_Pa(at_rest(v, 0.2F), 0.2F, kCeiling_Pa) == Approx(kBalance_Pa).epsilon(1e-6));
     CHECK(law.reference() == Approx(0.2));
-    CHECK(law.asked() == Approx(0.2));
+    CHECK(law.scheduled_reference() == Approx(0.2));
 }
 
 TEST_CASE("each term is worth its gain, scheduled with speed", "[CTL-040]") {
@@ -226,7 +226,7 @@ TEST_CASE("below the low speed the reference falls with speed", "[CTL-040]") {
     const auto in_force = [&config](const float v, const float reference) {
         SlipLaw law = settled(config, reference, v);
         for (int i = 0; i < 100; ++i) static_cast<void>(law.pressure_Pa(at_rest(v, reference), reference, kCeiling_Pa));
-        CHECK(law.asked() == law.reference());  // that is no retreat
+        CHECK(law.scheduled_reference() == law.reference());  // that is no retreat
         return law.reference();
     };
     CHECK(in_force(60.0F, 0.24F) == Approx(0.24F));
@@ -253,7 +253,7 @@ TEST_CASE("the law takes over at the slip that it finds", "[CTL-040]") {
     CHECK(law.reference() == 0.35F);
     law.start(at_rest(40.0F, -0.2F));
     CHECK(law.reference() == 0.0F);
-    CHECK(law.asked() == 0.0F);
+    CHECK(law.scheduled_reference() == 0.0F);
     law.start(at_rest(40.0F, 0.05F));
     static_cast<void>(law.pressure_Pa(at_rest(40.0F, 0.05F), 0.24F, kCeiling_Pa));
     CHECK(law.reference() == Approx(0.05 + 50.0 * 1e-3));
@@ -269,12 +269,12 @@ TEST_CASE("a law that starts again is as one that starts for the first time", "[
     REQUIRE(law.pressure_Pa(at_rest(40.0F, 0.2F), 0.2F, 1e12F) > kBalance_Pa + 5e4F);
     law.start(at_rest(40.0F, 0.05F));
     fresh.start(at_rest(40.0F, 0.05F));
-    CHECK(law.asked() == 0.05F);
+    CHECK(law.scheduled_reference() == 0.05F);
     for (int i = 0; i < 300; ++i) {
         const Estimate runs_away = at_rest(40.0F, 0.2F, -40.0F);
         REQUIRE(law.pressure_Pa(runs_away, 0.2F, 1e12F) == fresh.pressure_Pa(runs_away, 0.2F, 1e12F));
         REQUIRE(law.reference() == fresh.reference());
-        REQUIRE(law.asked() == fresh.asked());
+        REQUIRE(law.scheduled_reference() == fresh.scheduled_reference());
     }
     CHECK(law.reference() < 0.199F);
 }
@@ -292,7 +292,7 @@ TEST_CASE("the reference retreats while the wheel runs away, and comes back", "[
     // 20 1/s faster than is held: 0.2 * 20 / 30 of the reference a second, once the filter is there.
     const float before = run(law, -35.0F, 0.2F, 300);
     CHECK(before - run(law, -35.0F, 0.2F, 1000) == Approx(0.2 * 0.2 * 20.0 / 30.0).epsilon(0.02));
-    CHECK(law.asked() == Approx(0.2));
+    CHECK(law.scheduled_reference() == Approx(0.2));
     // Never faster than its rates, and never to nothing.
     const float at = run(law, -60.0F, 0.2F, 300);
     CHECK(at - run(law, -60.0F, 0.2F, 100) <= 1.0F * 0.2F * 0.1F + 1e-4F);
@@ -326,7 +326,7 @@ TEST_CASE(
     // The reference falls away from the slip, so ever faster: with x = slip - 0.05 - 0.2 share, x' = 0.2 (10 x - 0.2).
     SlipLaw locking = settled(exact_law(), 0.2F);
     CHECK(run(locking, 500.0F, 0.65F, 100) == Approx(0.6 - (0.02 + (0.4 - 0.02) * std::exp(2.0 * 0.1))).epsilon(0.01));
-    CHECK(locking.asked() == Approx(0.2));
+    CHECK(locking.scheduled_reference() == Approx(0.2));
 }
 
 TEST_CASE("no reference retreats to less than the share that takes the largest one to the earliest peak of friction", "[CTL-040]") {
@@ -364,7 +364,7 @@ TEST_CASE("a reference that somebody else has found falls at low speed, and retr
     law.start(e);
     for (int i = 0; i < 2000; ++i) static_cast<void>(law.follow_Pa(e, 0.2F, kCeiling_Pa));
     CHECK(law.reference() == 0.2F);
-    CHECK(law.asked() == 0.2F);
+    CHECK(law.scheduled_reference() == 0.2F);
     SlipLaw retreats(config, kPeriod_s);
     retreats.start(e);
     CHECK(run(retreats, -40.0F, 0.245F, 2000) < 0.15F);

@@ -306,8 +306,8 @@ struct Textbook {
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t k = 0; k < 3; ++k) ph[i] += p[i][k] * h[k];
         const double variance = ph[0] * h[0] + ph[1] * h[1] + noise * noise + 0.02 * 0.02;
-        const double surprise = radps - (x[0] - kOnce_s * (x[1] - brake));
-        for (std::size_t i = 0; i < 3; ++i) x[i] += ph[i] / variance * surprise;
+        const double innovation = radps - (x[0] - kOnce_s * (x[1] - brake));
+        for (std::size_t i = 0; i < 3; ++i) x[i] += ph[i] / variance * innovation;
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = 0; j < 3; ++j) p[i][j] -= ph[i] * ph[j] / variance;
     }
@@ -322,7 +322,7 @@ TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") 
     const double answer = GENERATE(800.0, 100.0, -15.0);
     CAPTURE(answer);
     ObserverConfig config = fixed_config().observer;
-    config.surprise = 1e6F;  // the textbook knows no other road
+    config.max_mean_innovation = 1e6F;  // the textbook knows no other road
     WheelObserver observer(config, fixed_config().wheel, 1e-3F);
     Wheel wheel{.answer_per_s = answer};
     observer.update(reading(wheel.omega_radps), drive(0.0));

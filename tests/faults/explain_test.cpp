@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plant_sim/study/faults/explain_report.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
 #include "tests/catch.hpp"
 
@@ -31,11 +30,11 @@ const robust::Basis& basis() {
     return loaded;
 }
 
-double seen(const Explanation& e, Sign sign) {
-    return e.seen[static_cast<std::size_t>(sign)];
+double measured(const Explanation& e, Symptom symptom) {
+    return e.symptoms[static_cast<std::size_t>(symptom)];
 }
-bool shown(const Explanation& e, Sign sign) {
-    return e.twins[static_cast<std::size_t>(sign)].shows(seen(e, sign));
+bool shown(const Explanation& e, Symptom symptom) {
+    return e.twins[static_cast<std::size_t>(symptom)].shows(measured(e, symptom));
 }
 
 }  // namespace
@@ -46,19 +45,19 @@ TEST_CASE("explain: a stop whose fault never comes is as long as the sound one, 
     CHECK(e.result.verdict.distance_share == Approx(1.0).margin(1e-6));
     CHECK(e.grip == 1.0);
     CHECK(e.twin_share == e.result.verdict.distance_share);
-    for (std::size_t i = 0; i < kSignNames.size(); ++i) {
-        INFO(kSignNames[i]);
-        CHECK_FALSE(e.twins[i].shows(e.seen[i]));
+    for (std::size_t i = 0; i < kSymptomNames.size(); ++i) {
+        INFO(kSymptomNames[i]);
+        CHECK_FALSE(e.twins[i].shows(e.symptoms[i]));
     }
 }
 
 TEST_CASE("explain: what an encoder is off by is seen where it is, and a longer stop has a sound one as long", "[RIG-710]") {
     const Fault noise{.what = {Signal::wheel, Kind::noise}, .strength = 0.9, .lasts_s = 0.4};
     const Explanation e = explain(plan(), with(kFastOnAsphalt, noise), basis(), kFew);
-    CHECK(shown(e, Sign::wild));
-    CHECK(shown(e, Sign::scatter));
-    CHECK_FALSE(shown(e, Sign::refused));
-    CHECK(seen(e, Sign::wild) > 5.0);
+    CHECK(shown(e, Symptom::wild));
+    CHECK(shown(e, Symptom::scatter));
+    CHECK_FALSE(shown(e, Symptom::refused));
+    CHECK(measured(e, Symptom::wild) > 5.0);
     REQUIRE(e.result.verdict.outcome != Outcome::safe);
     REQUIRE(e.result.verdict.distance_share > 1.02);
     CHECK(e.grip < 1.0);
@@ -68,19 +67,19 @@ TEST_CASE("explain: what an encoder is off by is seen where it is, and a longer 
 TEST_CASE("explain: frames that are late and commands that come late are seen as late as they are", "[RIG-710]") {
     const Explanation wheel =
         explain(plan(), with(kFastOnAsphalt, {.what = {Signal::wheel, Kind::jitter}, .strength = 0.3, .lasts_s = 0.3}), basis(), kFew);
-    CHECK(shown(wheel, Sign::late));
-    CHECK(seen(wheel, Sign::late) > 2e-3);
+    CHECK(shown(wheel, Symptom::late));
+    CHECK(measured(wheel, Symptom::late) > 2e-3);
     const Fault late{.what = {Signal::valve_command, Kind::delay}, .strength = 0.5, .lasts_s = Fault::kForGood};
     const Explanation valve = explain(plan(), with(kFastOnAsphalt, late), basis(), kFew);
-    CHECK(shown(valve, Sign::lag));
-    CHECK(seen(valve, Sign::lag) > 1e-3);
-    CHECK_FALSE(shown(valve, Sign::refused));
+    CHECK(shown(valve, Symptom::lag));
+    CHECK(measured(valve, Symptom::lag) > 1e-3);
+    CHECK_FALSE(shown(valve, Symptom::refused));
 }
 
 TEST_CASE("explain: the impulse of the road over the speed lost is the aircraft's mass, as the brake is known", "[RIG-710]") {
     const Explanation e = explain(plan(), with(kFastOnAsphalt, {.what = {Signal::wheel, Kind::bias}, .lasts_s = 0.0}), basis(), kFew);
     // k_b falls with the energy that the brake has taken: the controller reckons with a new one.
-    CHECK(seen(e, Sign::mass) == Approx(plan().surfaces[0].rig.wheel.mass_kg).epsilon(0.15));
+    CHECK(measured(e, Symptom::mass) == Approx(plan().surfaces[0].rig.wheel.mass_kg).epsilon(0.15));
     const std::vector<Explanation> one{e};
     CHECK(to_json(plan(), one).find("\"mass_kg\"") != std::string::npos);
     CHECK(to_table(plan(), one).find("run 1720") != std::string::npos);

@@ -127,13 +127,14 @@ TEST_CASE("with every scenario equally often the plan is feasible in every life,
 
 TEST_CASE("brakes and tyres that last differently are met together where inspections tell, and not by a fixed reference", "[STUDY-167]") {
     const wear::WearPlan plan = toy::plan(256, 0.28);
-    regulation::FleetOptions options{.lives = 20, .seed = 4, .brake_deviation = 0.05, .tyre_deviation = 0.05, .inspection = {.landings = 32}};
+    regulation::FleetOptions options{
+        .lives = 20, .seed = 4, .brake_deviation = 0.05, .tyre_deviation = 0.05, .each = {.inspection = {.landings = 32}}};
     const auto all = fleet(plan, options);
     const std::vector<bool> possible = feasible(all);
     CHECK(summary(all[0], possible, plan.tolerance).together == 20);
     CHECK(summary(all[2], possible, plan.tolerance).together < 12);
     // Readings that are off by 2 % of a new part leave some of that.
-    options.inspection.error = 0.02;
+    options.each.inspection.error = 0.02;
     const auto noisy = fleet(plan, options);
     CHECK(summary(noisy[0], possible, plan.tolerance).worst_other_left > summary(all[0], possible, plan.tolerance).worst_other_left);
     CHECK(summary(noisy[0], possible, plan.tolerance).other_left < 0.5 * summary(noisy[2], possible, plan.tolerance).other_left);
@@ -181,8 +182,8 @@ TEST_CASE("who is told the surface reaches shares that one reference cannot, and
         }
     }
     const wear::WearPlan plan = toy::plan(256, 0.27);
-    regulation::FleetOptions options{.lives = 10, .seed = 6, .mix = Mix::balanced, .surface_of = {0, 0, 1, 1}, .scenarios = 4};
-    options.references.emplace(table, 0.85, 0.24);
+    regulation::FleetOptions options{.lives = 10, .seed = 6, .mix = Mix::balanced, .each = {.surface_of = {0, 0, 1, 1}}, .scenarios = 4};
+    options.each.references.emplace(table, 0.85, 0.24);
     const auto all = regulation::run_fleet(plan, {}, kEach, {{.name = "one"}, {.name = "told", .told = true}}, brake(plan.brake_life_J), options,
                                            [&](auto requests) {
                                                std::vector<Stop> stops = landed_all(requests);

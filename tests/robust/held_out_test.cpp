@@ -20,7 +20,7 @@ TEST_CASE("on tyres, legs and speeds it was not made from the slip law keeps the
     REQUIRE(all.size() == 8);
     for (std::size_t family = 0; family < 4; ++family) {
         const Summary& slip = all[2 * family];
-        CHECK(slip.tripped == 0);
+        CHECK(slip.brakes_released == 0);
         CHECK(slip.mean_j_mu > all[2 * family + 1].mean_j_mu);  // the threshold law
         // A tenth of the travel of a valve that swings from limit to limit at 5 Hz, 400 mA/s.
         CHECK(slip.mean_travel_mAps < 400.0);

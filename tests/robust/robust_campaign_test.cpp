@@ -79,7 +79,7 @@ TEST_CASE("a summary counts what its rows say", "[STUDY-602]") {
     const std::vector<Summary> all = summarise(plan, rows);
     REQUIRE(all.size() == 1);
     CHECK(all[0].stops == 200);
-    CHECK(all[0].tripped == 4);
+    CHECK(all[0].brakes_released == 4);
     CHECK(all[0].locked == 3);
     CHECK(all[0].mean_j_mu == Approx(0.5 + 0.0995));
     CHECK(all[0].percentile_j_mu == Approx(0.501));

@@ -55,7 +55,7 @@ TEST_CASE("the law that is told the peak has less, at every speed of brake-on", 
         const Row &told = rows[i], &soonest = rows[stops + i], &wary = rows[2 * stops + i];
         REQUIRE(soonest.law == 1);
         REQUIRE(soonest.number == told.number);
-        CHECK_FALSE(soonest.tripped());
+        CHECK_FALSE(soonest.brakes_released());
         CHECK(told.figures.j_mu < soonest.figures.j_mu + 0.005);
         CHECK(soonest.figures.j_mu < 1.0);
         REQUIRE(wary.law == 2);

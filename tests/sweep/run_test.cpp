@@ -8,6 +8,7 @@
 #include <numeric>
 #include <thread>
 
+#include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/sweep/part_file.hpp"
 #include "plant_sim/study/sweep/together.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
@@ -21,12 +22,18 @@ std::string csv_of(const sweep::SweepPlan& plan, std::span<const sweep::Row> row
     return sweep::to_csv(sweep::identity_of(plan), rows);
 }
 
+/// Runs stop `number` alone.
+sweep::Row run_one(const sweep::SweepPlan& plan, std::size_t number) {
+    const study::RunResult result = study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number), study::Link::rounded);
+    return {.stop = plan.stop(number), .figures = result.figures, .faults = result.faults};
+}
+
 /// By one thread, from the last stop to the first: what every other way is held against.
 const std::string& reference_csv() {
     static const std::string kCsv = [] {
         const sweep::SweepPlan plan = small::plan();
         std::vector<sweep::Row> rows;
-        for (std::size_t i = plan.stops(); i-- > 0;) rows.insert(rows.begin(), sweep::run_one(plan, i));
+        for (std::size_t i = plan.stops(); i-- > 0;) rows.insert(rows.begin(), run_one(plan, i));
         return csv_of(plan, rows);
     }();
     return kCsv;
@@ -123,7 +130,7 @@ TEST_CASE("what another sweep left is refused, and named; it is not touched", "[
     const sweep::SweepPlan plan = small::plan();
     {
         sweep::PartFile file(part, plan);
-        file.append(sweep::line(sweep::run_one(plan, 0)));
+        file.append(sweep::line(run_one(plan, 0)));
         CHECK_THROWS_WITH(sweep::PartFile(part, plan), ContainsSubstring("another sweep is at work on it"));
     }
     const std::string before = text_of(part);
@@ -151,7 +158,7 @@ TEST_CASE("three processes give the bytes of one, and go on where one was stoppe
     const auto part = scratch.path / "stops.part";
     {
         sweep::PartFile file(part, plan);
-        file.append(sweep::line(sweep::run_one(plan, 5)));
+        file.append(sweep::line(run_one(plan, 5)));
     }
     threads::Wire wire;
     std::vector<sweep::Row> rows;

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""What each open interlock and each dead peer does to a maneuver, in each phase: three real programs in paced lockstep. Asserts names and that
-the valve ends at its safe current; times are measured and never asserted. Runs inside `./rig vcan`.
+"""What happens to a maneuver when an interlock opens or a program dies, in each phase: three real programs in paced lockstep. Asserts outcomes and
+that the valve ends at its safe current; times are measured and never asserted. Runs inside `./rig vcan`.
 
 usage: peers.py BUILD_DIR PHASE [--write]    one of spin_up, settling, braking, retract
 --write keeps the rows in docs/generated/peers and makes docs/generated/peers.md from all of them.
@@ -16,6 +16,7 @@ import time
 from three_programs import Bus, Rig, check, eventually, in_guest_memory, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
+FOLDER = pathlib.Path("docs/generated/peers")
 PHASES = ("spin_up", "settling", "braking", "retract")
 INTERLOCKS = {"emergency_stop_clear": "emergency_stop", "guard_closed": "guard_open", "hydraulics_ready": "hydraulics_lost",
               "drive_healthy": "drive_fault"}
@@ -147,33 +148,40 @@ def peers(folder, phase):
 
 
 def write(rows, phase):
-    folder = pathlib.Path("docs/generated/peers")
-    folder.mkdir(exist_ok=True)
-    with open(folder / f"{phase}.csv", "w", newline="") as file:
+    FOLDER.mkdir(exist_ok=True)
+    with open(FOLDER / f"{phase}.csv", "w", newline="") as file:
         csv.writer(file).writerows(rows)
-    text = """# Interlocks and dead peers
+    FOLDER.with_suffix(".md").write_text(page())
 
-What an open interlock, a dead program, a dead interface or a hung Modbus server does to a maneuver, in each phase. Made by
-`tests/vcan/peers.py` (`--write`; ctest `vcan.peers_PHASE`, BRG-450), which runs controller, virtual rig and bridge as real programs over vcan and Modbus
-TCP and asserts the names, the safe valve and the sledge back. The times are what that run measured: wall clock, in paced lockstep on a shared machine that stretched time, where
-the guest has one processor for everything; they are no limits. In rig time the limits are those of the controller ([faults](../user/faults.md)), of
-`config/bridge.toml` and of the watchdogs in `config/registers.toml`.
 
-`valve` is the time from the cause to the safe current (a dead controller: to the brake without pressure), where there was current.
-`safe end` is the time until the sledge was back, where that could be seen; after a hang or with the interface down, when it had ended.
+def page():
+    """From the rows of all phases that were kept."""
+    text = """# Open interlocks and dead programs
+
+What happens to a maneuver, in each of its phases, when an interlock opens, a program is stopped or killed, the CAN interface goes down, or the Modbus
+server hangs. `tests/vcan/peers.py --write` made this page (ctest `vcan.peers_PHASE`, BRG-450). It runs controller, virtual rig and bridge as real
+programs over vcan and Modbus TCP, and asserts the outcome, the safe valve current and the retracted sledge.
+
+The times are wall-clock times of one run in paced lockstep on a busy machine, whose guest has one processor for all programs. They are not limits.
+The limits, in rig time, are those of the controller ([faults](../user/faults.md)), of `config/bridge.toml` and of the watchdogs in
+`config/registers.toml`.
+
+- *valve*: time from the cause to the safe current; for a dead controller, to the brake without pressure. Without a figure the brake was not applied,
+  or the interface was down.
+- *sledge*: time from the cause until the sledge was retracted. Where the Modbus server hangs or the interface is down, it is read only after the
+  maneuver has ended. A dead virtual rig cannot tell.
 
 """
-    text += "| cause | in phase | outcome | valve, ms | safe end, s | who makes it safe |\n|---|---|---|---|---|---|\n"
+    text += "| cause | phase | outcome | valve, ms | sledge, s | what makes the rig safe |\n|---|---|---|---|---|---|\n"
     for name in PHASES:
-        path = folder / f"{name}.csv"
+        path = FOLDER / f"{name}.csv"
         if path.exists():
             with open(path, newline="") as file:
                 text += "".join("| " + " | ".join(row) + " |\n" for row in csv.reader(file))
-    text += """
-A bridge that is killed has no outcome; `rig-bridge campaign` finds the maneuver unfinished when it comes back, and runs it again (`vcan.bridge_campaign_killed`). What a campaign with
-`--retry` makes of each of these: [recovery](recovery.md).
+    return text + """
+A killed bridge reports no outcome. When `rig-bridge campaign` is started again, it finds the maneuver unfinished and repeats it
+(`vcan.bridge_campaign_killed`). [Recovery](recovery.md) shows how a campaign with `--retry` continues after each of these causes.
 """
-    pathlib.Path("docs/generated/peers.md").write_text(text)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""[BRG-616] What may befall a campaign, in each phase of a shipped scenario: does it recover alone, wait for a person, or end? Each case is one
-maneuver of a campaign over vcan and Modbus; nothing is lost, doubled, or off in energy by more than 1 % of an undisturbed campaign's without being named.
-Inside `./rig vcan`; `./rig check soak --recovery` starts it.
+"""[BRG-616] After a disturbance in each phase of a shipped scenario: does the campaign recover alone, wait for a person, or end? Each case is one
+maneuver of a campaign over vcan and Modbus. Nothing is lost or counted twice; an energy that differs by more than 1 % from that of an undisturbed
+campaign is named. Inside `./rig vcan`; `./rig check soak --recovery` starts it.
 
 usage: recovery_table.py BUILD_DIR [--phase P]... [--strike NAME]... [--scenario FILE] [--out CSV] [--docs]
 --docs writes docs/generated/recovery.md from the CSV. Cases that are in the CSV already are not run again.
@@ -79,26 +79,32 @@ def docs(rows):
     by = {(row[0], row[1]): row for row in rows}
     alone = [float(row[7]) for row in rows if row[3] == "1"]
     names = [strike.name for strike in STRIKES + MORE_STRIKES]
-    text = f"""# What recovers alone
+    within = sum(off(row) <= ENERGY_SHARE for row in rows)
+    text = f"""# Recovery
 
-What may befall a campaign with `--retry`, in each phase of a maneuver, made by `tests/vcan/recovery_table.py` (`./rig check soak --recovery`), which runs
-controller, virtual rig and bridge as real programs over vcan and Modbus TCP with a shipped scenario, in paced lockstep. Dead controllers and rigs
-are started again, as by a service manager.
+How a campaign with `--retry` continues after a disturbance in each phase of a maneuver. This page was made by `./rig check soak --recovery`
+(`tests/vcan/recovery_table.py`). It runs controller, virtual rig and bridge as real programs over vcan and Modbus TCP, in paced lockstep, with a
+shipped scenario. A dead controller or rig is started again, as a service manager would do.
 
-- *{ALONE}*: the same bridge finishes the maneuver, with a retry where the attempt was aborted.
-- *{PERSON}*: the bridge ends with a named cause and exit status 1; the same command, given by a person, finishes the maneuver.
-- *{ENDS}*: the bridge is gone; the same command, given by whoever starts it again, finishes the maneuver.
+- *{ALONE}*: the same bridge finishes the maneuver; it retries an aborted attempt.
+- *{PERSON}*: the bridge ends with a named cause and exit status 1. When a person gives the same command again, it finishes the maneuver.
+- *{ENDS}*: the bridge is killed. When it is started again with the same command, it finishes the maneuver.
 
-In each of these {len(rows)} cases (of {len(names) * len(PHASES)}) the maneuver finished once, and every figure came out again from its logs bit for bit. In {sum(off(row) <= ENERGY_SHARE for row in rows)} of them the ledger's
-energy was that of the plant's brake within 1 % of what it is in an undisturbed campaign; the others have the difference beside them. What a killed
-rig's brake had taken it could not tell: there the rest is compared. [recovery.csv](recovery.csv) has the figures. A case that is in it
-is not run again, so not all are of the newest build. A busy host aborts an attempt now and then by itself, and its cause stands in the cell, too.
+{len(rows)} of {len(names) * len(PHASES)} cases were run. In each of them the maneuver finished once, and every figure computed again from its logs
+was the same bit for bit. Energies are compared by the ratio of the ledger's energy to that of the plant's brake: in {within} cases it was within 1 %
+of the ratio of an undisturbed campaign; the other cells give the difference. A killed rig cannot report its energy, so only the energy after it is
+compared. [recovery.csv](recovery.csv) has the figures. Cases in that file are not run again, so not all are of the newest build. On a busy machine an
+attempt is sometimes aborted without a disturbance; the cell gives that cause as well.
 
-Torque and load come through PLC and bridge. Where they are silent in braking (a silent PLC, a standing bridge, a cut bus) the brake's energy is that of the speeds, and the warning `energy_by_speeds` says how much of it ([recording](../user/recording.md)).
-What the brake took after its bridge was dead is what flywheel and wheel lost until the next bridge came, where that comes at once to a rig that coasts; `ends_in_braking` or `ends_in_settling` says what counts so, and the most that may be missing besides until a person amends it ([recording](../user/recording.md)). The rest is scatter: load cells are as old as
-a request takes, which is a share of a short stop that changes where a host stretches time. Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
+Torque and load reach the record through PLC and bridge. If they are missing during braking (silent PLC, stopped bridge, cut bus), the brake's energy
+is computed from the speeds, and the warning `energy_by_speeds` gives its amount ([recording](../user/recording.md)).
 
-Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake.
+After the bridge has died, the brake's energy is what flywheel and wheel lose until the next bridge starts, if that starts at once and the rig coasts.
+The warning `ends_in_braking` or `ends_in_settling` gives this energy, and the largest amount that may be missing besides until a person amends the
+ledger. The other differences are scatter: a reading of a load cell is as old as a Modbus request takes, which is a noticeable share of a short stop
+and varies on a busy machine. Cases with a single attempt differ by {min(alone, default=0.0) * 100:+.1f} to {max(alone, default=0.0) * 100:+.1f} %.
+
+The timeouts of `config/bridge.toml` are ten times the shipped ones here, because the machine is slow.
 
 | what | {" | ".join(PHASES)} |
 |---|{"---|" * len(PHASES)}

@@ -138,6 +138,18 @@ CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what
     return result_file(app.add_option("--json", where, what + " as JSON; - for standard output instead of the table"));
 }
 
+CLI::Option* add_picture(CLI::App& app, fs::path& file, const std::string& what, const std::string& with_it) {
+    return result_file(app.add_option("--picture", file, what + " (PNG)" + with_it));
+}
+
+CLI::Option* add_no_pictures(CLI::App& app, bool& pictures) {
+    return app.add_flag("!--no-pictures", pictures, "without gnuplot");
+}
+
+CLI::Option* add_seed(CLI::App& app, std::uint64_t& seed, const std::string& what) {
+    return app.add_option("--seed", seed, what)->capture_default_str();
+}
+
 void deliver(const std::string& where, std::string_view text) {
     if (where == "-") {
         if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -60,6 +61,13 @@ CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& de
 void add_layout_files(CLI::App& app, std::filesystem::path& dbc, std::filesystem::path& binding);
 /// `--json FILE`; pass `where` to deliver().
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what);
+/// `--picture FILE`; `what` it shows and which files come with it.
+CLI::Option* add_picture(CLI::App& app, std::filesystem::path& file, const std::string& what,
+                         const std::string& with_it = ", as SVG and data beside it, too");
+/// `--no-pictures`, which sets `pictures` to false.
+CLI::Option* add_no_pictures(CLI::App& app, bool& pictures);
+/// `--seed N`; the default is the present `seed`.
+CLI::Option* add_seed(CLI::App& app, std::uint64_t& seed, const std::string& what = "seed of every random draw");
 
 /// Writes `text` atomically to the file `where`, to standard output for "-", nowhere for "". Throws Error if the file cannot be written.
 void deliver(const std::string& where, std::string_view text);

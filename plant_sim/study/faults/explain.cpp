@@ -9,23 +9,23 @@ namespace faults {
 
 namespace {
 
-struct Seen {
+struct Measured {
     Result result;
-    Signs signs{};
-    double at_m = 0.0;  ///< along the runway, where the fault began
+    Symptoms symptoms{};
+    double began_m = 0.0;  ///< position on the runway at which the fault began
 };
 
-Seen look_at(const FaultPlan& plan, const Case& c, const FaultFree& sound) {
-    Seen seen;
-    Witness witness(plan.controller);
+Measured measure(const FaultPlan& plan, const Case& c, const FaultFree& fault_free) {
+    Measured measured;
+    SymptomMeter meter(plan.controller);
     bool begun = false;
-    seen.result = run_one(plan, c, sound, [&](const Period& p) {
-        if (p.begun && !begun) seen.at_m = p.session.rig().runway_m();
+    measured.result = run_one(plan, c, fault_free, [&](const Period& p) {
+        if (p.begun && !begun) measured.began_m = p.session.rig().runway_m();
         begun = p.begun;
-        if (p.given != nullptr) witness.take(*p.given, p.command, p.begun);
+        if (p.given != nullptr) meter.take(*p.given, p.command, p.begun);
     });
-    seen.signs = witness.signs();
-    return seen;
+    measured.symptoms = meter.symptoms();
+    return measured;
 }
 
 /// The same stop on `rig` without a fault, with the runway's friction multiplied by `grip` from `from_m` on.
@@ -44,26 +44,28 @@ Case without_fault(Case c) {
     return c;
 }
 
-void widen(std::array<Span, kSignNames.size()>& spans, const Signs& signs, bool first) {
-    for (std::size_t i = 0; i < signs.size(); ++i) {
-        spans[i].least = first ? signs[i] : std::min(spans[i].least, signs[i]);
-        spans[i].most = first ? signs[i] : std::max(spans[i].most, signs[i]);
+void widen(std::array<Span, kSymptomNames.size()>& spans, const Symptoms& symptoms, bool first) {
+    for (std::size_t i = 0; i < symptoms.size(); ++i) {
+        spans[i].least = first ? symptoms[i] : std::min(spans[i].least, symptoms[i]);
+        spans[i].most = first ? symptoms[i] : std::max(spans[i].most, symptoms[i]);
     }
 }
 
 }  // namespace
 
 Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& basis, const ExplainOptions& options) {
-    const FaultFree sound = run_fault_free(plan, c);
-    const Seen faulty = look_at(plan, c, sound);
-    Explanation e{.run = c, .result = faulty.result, .seen = faulty.signs};
+    const FaultFree fault_free = run_fault_free(plan, c);
+    const Measured faulty = measure(plan, c, fault_free);
+    Explanation e{.run = c, .result = faulty.result, .symptoms = faulty.symptoms};
     const rig::RigParameters& rig = plan.surfaces[c.surface].rig;
     const double wanted = faulty.result.verdict.distance_share;
     const Case twin = without_fault(c);
     // Less friction gives a longer stop: bisection in the logarithm.
     constexpr int kHalvings = 9;
     constexpr double kLeast = 0.05;
-    const auto share_at = [&](double grip) { return run_one(on_runway(plan, c, rig, grip, faulty.at_m), twin, sound).verdict.distance_share; };
+    const auto share_at = [&](double grip) {
+        return run_one(on_runway(plan, c, rig, grip, faulty.began_m), twin, fault_free).verdict.distance_share;
+    };
     double low = kLeast, high = 1.0;
     if (wanted > 1.0) {
         for (int i = 0; i < kHalvings; ++i) {
@@ -76,14 +78,12 @@ Explanation explain(const FaultPlan& plan, const Case& c, const robust::Basis& b
     for (std::size_t i = 0; i < options.twins; ++i) {
         Case other = twin;
         other.sensor_seed += i + 1;  // another seed than the run's: its own noise would not show the scatter
-        const Seen seen = look_at(on_runway(plan, c, rig, e.grip, faulty.at_m), other, sound);
-        widen(e.twins, seen.signs, i == 0);
+        widen(e.twins, measure(on_runway(plan, c, rig, e.grip, faulty.began_m), other, fault_free).symptoms, i == 0);
     }
     for (std::size_t i = 0; i < options.rigs; ++i) {
         rig::RigParameters drawn = robust::draw(basis, robust::Family::all, options.rig_seed, i).rig;
         drawn.surface = rig.surface;
-        const Seen seen = look_at(on_runway(plan, c, drawn, e.grip, faulty.at_m), twin, sound);
-        widen(e.drawn, seen.signs, i == 0);
+        widen(e.drawn, measure(on_runway(plan, c, drawn, e.grip, faulty.began_m), twin, fault_free).symptoms, i == 0);
     }
     return e;
 }

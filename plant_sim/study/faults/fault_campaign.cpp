@@ -3,8 +3,8 @@
 #include <mutex>
 #include <optional>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
@@ -88,11 +88,10 @@ study::SessionOptions FaultPlan::session(const Case& c) const {
 
 FaultPlan load_plan(const FaultPlanOptions& options) {
     const auto controller = options.config / "controller.toml";
-    const auto dbc = options.config / "antiskid.dbc";
-    const auto binding = options.config / "antiskid_binding.toml";
+    const antiskid::LayoutFiles layout(options.config);
     FaultPlan plan;
     plan.controller = antiskid::load_controller_config(controller);
-    plan.layout = antiskid::can::load_layout(dbc, binding);
+    plan.layout = layout.load();
     plan.repetitions = options.repetitions;
     plan.seed = options.seed;
     plan.version = ANTISKID_VERSION;
@@ -110,7 +109,7 @@ FaultPlan load_plan(const FaultPlanOptions& options) {
     // Long enough for a fault at standstill to act before and after the release.
     plan.maneuver.after_standstill_s = 0.6;
     plan.maneuver.release_s = 0.6;
-    files.insert(files.end(), {controller, dbc, binding});
+    files.insert(files.end(), {controller, layout.dbc, layout.binding});
     plan.config_hash = settings::hash(files);
     return plan;
 }

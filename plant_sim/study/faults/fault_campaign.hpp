@@ -129,7 +129,7 @@ struct Period {
     bool begun;                                 ///< whether the fault has begun
 };
 using PeriodObserver = std::function<void(const Period&)>;
-/// `sound` must be that of `c`. `on_period` may be empty.
+/// `sound`: the fault-free stop of `c`. `on_period` may be empty.
 [[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const FaultFree& sound, const PeriodObserver& on_period = {});
 
 struct Row {

@@ -112,7 +112,7 @@ std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
         {"version", plan.version},
         {"config_hash", plan.config_hash},
     };
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string describe(const FaultPlan& plan, const Case& run) {
@@ -128,7 +128,7 @@ std::string describe(const Result& result) {
     if (result.begun_s < 0.0) return text + ": the stop ended before the fault began";
     text += fmt::format(": began at {:.3f} s and {:.1f} m/s; named {}", result.begun_s, result.begun_mps, text_of(v.named));
     if (v.named_after_s >= 0.0) text += fmt::format(" after {:.3f} s", v.named_after_s);
-    return text + fmt::format("; {:.3f} of the sound stop's distance, longest lock under pressure {:.3f} s", v.distance_share, v.longest_lock_s);
+    return text + fmt::format("; {:.3f} of the fault-free stop's distance, longest lock under pressure {:.3f} s", v.distance_share, v.longest_lock_s);
 }
 
 std::string to_table(const FaultPlan& plan, std::span<const Row> rows, std::size_t max) {

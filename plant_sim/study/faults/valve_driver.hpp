@@ -6,8 +6,8 @@
 
 namespace faults {
 
-/// Outputs the commanded current. Outputs none if no command was accepted for kSilence, and while more than kMaxRejected more commands were rejected
-/// than accepted: of many old or corrupt ones some pass their checks by chance.
+/// Outputs the commanded current. Outputs none if no command was accepted for kSilence, and while the rejected commands exceed the accepted ones by
+/// more than kMaxRejected: if many commands are old or corrupt, some of them pass the checks by chance.
 class ValveDriver {
   public:
     static constexpr antiskid::control::Time kSilence{20'000'000};

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "plant_sim/study/order_statistics.hpp"
 
 namespace identification {
 
@@ -111,11 +114,8 @@ double force_noise_N(const std::vector<FrictionReadings>& runs) {
     }
     constexpr double kUnknown = 0.01;  // of the load
     if (differences.size() < 20) return kUnknown * load_N;
-    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-    std::nth_element(differences.begin(), middle, differences.end());
-    constexpr double kMedianOfNormal = 0.6745;
     constexpr double kMin = 1e-4;  // of the load
-    return std::max(*middle / kMedianOfNormal / std::sqrt(6.0), kMin * load_N);
+    return std::max(study::deviation_by_median(std::move(differences)) / std::sqrt(6.0), kMin * load_N);
 }
 
 }  // namespace identification

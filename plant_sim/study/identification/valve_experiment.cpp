@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plant_sim/study/order_statistics.hpp"
+
 namespace identification {
 
 namespace {
@@ -45,8 +47,8 @@ class Branches {
                 missing += fmt::format("{}{:g}", missing.empty() ? "" : ", ", currents_[i]);
                 continue;
             }
-            const double up = up_[i].empty() ? median(down_[i]) : median(up_[i]);
-            const double down = down_[i].empty() ? up : median(down_[i]);
+            const double up = study::median(up_[i].empty() ? down_[i] : up_[i]);
+            const double down = down_[i].empty() ? up : study::median(down_[i]);
             middle[i] = 0.5 * (up + down);
         }
         if (!missing.empty()) {
@@ -64,11 +66,6 @@ class Branches {
             if (std::abs(current_mA - currents_[i]) < kNear_mA) return i;
         }
         return currents_.size();
-    }
-    [[nodiscard]] static double median(std::vector<double> v) {
-        const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-        std::nth_element(v.begin(), middle, v.end());
-        return *middle;
     }
 
     std::vector<double> currents_;

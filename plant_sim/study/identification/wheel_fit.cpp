@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "plant_sim/study/order_statistics.hpp"
 
 namespace identification {
 
@@ -101,11 +104,7 @@ double gauge_noise_Pa(const Recording& recording) {
         if (s[i - 3].phase != phase::kBraking || s[i].phase != phase::kBraking) continue;
         differences.push_back(std::abs(s[i].pressure_Pa - 3.0 * (s[i - 1].pressure_Pa - s[i - 2].pressure_Pa) - s[i - 3].pressure_Pa));
     }
-    if (differences.empty()) return 0.0;
-    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-    std::nth_element(differences.begin(), middle, differences.end());
-    constexpr double kMedianOfNormal = 0.6745;
-    return *middle / kMedianOfNormal / std::sqrt(20.0);
+    return study::deviation_by_median(std::move(differences)) / std::sqrt(20.0);
 }
 
 /// Jitter at a border counts in both adjacent windows, with opposite signs; the integral sums up the gauge's noise without end. Residuals divided by
@@ -311,8 +310,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
         e.high += shift;
         out.relative_friction[k] = e;
     }
-    const double gain = runs.front().rig.brake_gain_m3;
-    out.gain_m3 = {.value = mu * gain, .deviation = out.friction.deviation * gain, .low = out.friction.low * gain, .high = out.friction.high * gain};
+    out.gain_m3 = scaled(out.friction, runs.front().rig.brake_gain_m3);
     out.friction_class = friction_class;
     out.lags_s = found.lags * kSpeedWindow_s;
     out.residuals = balance.report(found.theta);

@@ -35,6 +35,10 @@ double fastest_real_pole_radps(const LinearWheel& wheel) {
 
 }  // namespace
 
+OperatingPoint StudyOptions::equilibrium(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double speed_mps) const {
+    return operating_point(rig, speed_mps, low_speed_fall ? scheduled_slip(config, slip_reference, speed_mps) : slip_reference);
+}
+
 bool meets(const Margins& m, const Requirement& r) {
     return m.stable && m.phase_deg >= r.phase_deg && m.gain_up_dB >= r.gain_dB && m.gain_down_dB >= r.gain_dB;
 }
@@ -48,8 +52,7 @@ std::vector<Cell> study_cells(const std::vector<StopConditions>& scenarios, cons
         for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
             Cell c;
             c.scenario = i;
-            const double slip = options.low_speed_fall ? scheduled_slip(controller.slip, options.slip_reference, v) : options.slip_reference;
-            c.at = operating_point(s.rig, v, slip);
+            c.at = options.equilibrium(s.rig, controller.slip, v);
             c.printed_pole_radps = c.at.wheel_pole_radps(Linearisation::printed);
             c.full_pole_radps = c.at.wheel_pole_radps(Linearisation::full);
             c.reachable = c.at.pressure_Pa <= s.full_pressure_Pa;

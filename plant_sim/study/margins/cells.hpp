@@ -26,6 +26,9 @@ struct StudyOptions {
     int speeds = 8;              ///< from brake-on down to drop-out
     bool low_speed_fall = true;  ///< linearised at the reference in force; false: at `slip_reference` at every speed, the paper's exact law
     Requirement requirement;
+
+    /// Equilibrium at which a cell is linearised.
+    [[nodiscard]] OperatingPoint equilibrium(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double speed_mps) const;
 };
 
 /// Margins of both values of Linearisation, in its order.

@@ -46,8 +46,8 @@ LawJudge::LawJudge(const std::vector<StopConditions>& scenarios, const TrialStop
 
 double LawJudge::cell(const Config& controller, const Place& place) const {
     const StopConditions& s = scenarios_[place.scenario];
-    const double slip = options_.low_speed_fall ? scheduled_slip(controller.slip, options_.slip_reference, place.speed_mps) : options_.slip_reference;
-    const PeriodicSystem system = law_system(controller, s.rig, operating_point(s.rig, place.speed_mps, slip), Linearisation::full);
+    const OperatingPoint at = options_.equilibrium(s.rig, controller.slip, place.speed_mps);
+    const PeriodicSystem system = law_system(controller, s.rig, at, Linearisation::full);
     const SampledLoop loop(system);
     const double growth_per_s = std::max(loop.closed_poles().front().real(), controller_growth_per_s(system) - kIntegrates_per_s);
     if (growth_per_s >= 0.0) return -growth_per_s / (1.0 + growth_per_s) - kUnstable;

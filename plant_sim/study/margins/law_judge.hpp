@@ -44,8 +44,8 @@ class LawJudge {
     mutable std::vector<std::atomic<unsigned>> ended_;
 };
 
-/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, the answer's share, the three parameters of the fall at low speed. Not included:
-/// the parameters of the retreat, which no margin depends on, and the observer.
+/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, k_answer, the three parameters of the fall at low speed. Not included: the
+/// parameters of the retreat, on which no margin depends, and the observer.
 [[nodiscard]] std::vector<std::string> gain_names();
 [[nodiscard]] std::vector<double> gains_of(const antiskid::control::Config& config);
 [[nodiscard]] antiskid::control::Config with_gains(antiskid::control::Config config, const std::vector<double>& values);

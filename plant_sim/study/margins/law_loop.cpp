@@ -209,9 +209,9 @@ class Period {
         Motion motion{x[v + 2], x[v + 3]};
         motion = moved(motion, 0.5 * (before + valve[0]), -deceleration_per_s_ * motion.slip, answer_);
         if (new_reading) {
-            const double surprise = reading(x) - (motion.slip - (motion.road + valve[0]) * reading_age_);
-            motion.slip += correct_.slip * surprise;
-            motion.road += correct_.road * surprise;
+            const double slip_innovation = reading(x) - (motion.slip - (motion.road + valve[0]) * reading_age_);
+            motion.slip += correct_.slip * slip_innovation;
+            motion.road += correct_.road * slip_innovation;
         }
 
         const double steady = -deceleration_per_s_ * motion.slip;

@@ -191,7 +191,7 @@ std::string to_json(const std::vector<StopConditions>& scenarios, const std::vec
           {"schedule", head.pid.schedule}}},
         {"cells", std::move(rows)},
     };
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 void draw_plant(const std::vector<StopConditions>& scenarios, double slip_reference, double speed_mps, const std::filesystem::path& png) {

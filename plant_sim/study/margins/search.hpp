@@ -25,8 +25,8 @@ using Score = std::function<double(const std::vector<double>& values, double to_
 using SearchProgress = std::function<void(std::size_t done, std::size_t all)>;
 
 struct SearchOptions {
-    std::uint64_t seed = 1;  ///< >= 4
-    int population = 16;     ///< 4 at least
+    std::uint64_t seed = 1;
+    int population = 16;  ///< >= 4
     int generations = 25;
     int digits = 15;       ///< number of significant digits of the judged points
     unsigned threads = 0;  ///< 0 counts as 1

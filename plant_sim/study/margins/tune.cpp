@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "plant_sim/study/margins/law_loop.hpp"
-
 namespace study::margins {
 
 namespace {
@@ -40,8 +38,7 @@ std::vector<TuningCell> tuning_cells(const std::vector<StopConditions>& scenario
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         const StopConditions& s = scenarios[i];
         for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
-            const double slip = options.low_speed_fall ? scheduled_slip(controller.slip, options.slip_reference, v) : options.slip_reference;
-            const OperatingPoint at = operating_point(s.rig, v, slip);
+            const OperatingPoint at = options.equilibrium(s.rig, controller.slip, v);
             const Limits l = limits(at.wheel_pole_radps(Linearisation::full), s.rig.valve.delay_s, static_cast<double>(controller.period_s));
             if (l.allow(options.requirement)) cells.push_back({i, at});
         }

@@ -29,20 +29,14 @@ LivingPair pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const w
                    const FleetOptions& options, std::uint64_t life, bool worst_stops) {
     constexpr std::size_t kBeyond = 4;  // times the plan: enough for a brake and a tyre with long lives
     const auto planned = static_cast<std::size_t>(plan.landings);
-    return {plan, rules, range, draw_life(options.seed, life, kBeyond * planned, planned, options.scenarios, options.mix, options.missing),
-            LifeOptions{.policy = policy,
-                        .brake = truth.brake,
-                        .tyre_life_J = truth.tyre_life_J,
-                        .rule = {},
-                        .brake_seed = options.seed + life,
-                        .inspection = options.inspection,
-                        .allowed_on = options.allowed_on,
-                        .surface_of = options.surface_of,
-                        .references = options.references,
-                        .life_forecast = policy.forecast ? options.life_forecast : std::nullopt,
-                        .bound = options.bound,
-                        .costs = options.costs,
-                        .worst_stops = worst_stops}};
+    LifeOptions own = options.each;
+    own.policy = policy;
+    own.brake = truth.brake;
+    own.tyre_life_J = truth.tyre_life_J;
+    own.brake_seed = options.seed + life;
+    if (!policy.forecast) own.life_forecast.reset();
+    own.worst_stops = worst_stops;
+    return {plan, rules, range, draw_life(options.seed, life, kBeyond * planned, planned, options.scenarios, options.mix, options.missing), own};
 }
 
 }  // namespace

@@ -18,15 +18,9 @@ struct FleetOptions {
     double missing = 0.0;  ///< share of landings without figures
     /// Relative standard deviations of lives about the plan's, lognormal.
     double brake_deviation = 0.0, tyre_deviation = 0.0;
-    Inspection inspection{};  ///< see LifeOptions, as the following
-    std::vector<wear::Range> allowed_on{};
-    std::vector<std::size_t> surface_of{};
-    std::optional<wear::SurfaceReferences> references{};
-    std::optional<wear::LifeForecast> life_forecast{};
-    const Bound* bound = nullptr;
-    Costs costs{};
+    LifeOptions each{};  ///< of every life, but for policy, brake, tyre and seed
     std::size_t scenarios = 0;
-    bool worst_stops = true;                            ///< for the first policy's lives
+    bool worst_stops = true;                            ///< as in LifeOptions, for the first policy's lives
     const std::atomic<bool>* stop = nullptr;            ///< once true, no more landings start
     std::function<void(std::size_t stops)> on_stops{};  ///< called with the number of stops so far in all lives
 };

@@ -72,10 +72,10 @@ struct Inspection {
 };
 
 struct LifeOptions {
-    Policy policy;
-    wear::BrakeWear brake;     ///< true; its life may differ from the plan's
+    Policy policy{};
+    wear::BrakeWear brake{};   ///< true; its life may differ from the plan's
     double tyre_life_J = 0.0;  ///< true
-    wear::ConditionalRule rule;
+    wear::ConditionalRule rule{};
     std::uint64_t brake_seed = 1;
     Inspection inspection{};
     /// Allowed range on each scenario's surface, known from its first landing on: Regulator::narrow(). Empty: the given range is valid for all

@@ -28,7 +28,7 @@ BrakeOnSummary stops_at(const RobustPlan& plan, const std::vector<Row>& rows, st
     for (const Row& row : rows) {
         if (row.family != Family::brake_on || row.law != law || brake_on_at(plan.basis, row.number).speed_mps != speed_mps) continue;
         ++s.stops;
-        s.tripped += row.tripped() ? 1U : 0U;
+        s.brakes_released += row.brakes_released() ? 1U : 0U;
         s.mean_j_mu += row.figures.j_mu;
         s.mean_travel_mAps += travel_mAps(row);
         const BrakeOnShare of = share_of(plan, rows, row);
@@ -86,10 +86,10 @@ std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows)
     const std::vector<BrakeOnSummary> all = summarise_brake_on(plan, rows);
     if (all.empty()) return {};
     auto table = settings::TextTable::markdown(
-        "law|brake-on (m/s):.1f|ended safe|mean J_mu:.4f|mean share:.3f|least share|at least as asked|valve travel (mA/s):.0f|most over the "
+        "law|brake-on (m/s):.1f|brakes released|mean J_mu:.4f|mean share:.3f|least share|at least as asked|valve travel (mA/s):.0f|most over the "
         "fastest's");
     for (const BrakeOnSummary& s : all) {
-        table.add(plan.laws[s.law].name, s.speed_mps, s.tripped, s.mean_j_mu);
+        table.add(plan.laws[s.law].name, s.speed_mps, s.brakes_released, s.mean_j_mu);
         if (s.min_share)
             table.add(*s.mean_share, fmt::format("{:.3f}: {}", *s.min_share, stop_is(plan, s.min)),
                       fmt::format("{} of {} at {:.2f}", s.reached, s.stops, asked_share(s.speed_mps)));
@@ -106,7 +106,7 @@ settings::Json brake_on_json(const RobustPlan& plan, const std::vector<Row>& row
         json["summaries"].push_back({{"law", plan.laws[s.law].name},
                                      {"speed_mps", s.speed_mps},
                                      {"stops", s.stops},
-                                     {"ended_safe", s.tripped},
+                                     {"ended_safe", s.brakes_released},
                                      {"mean_j_mu", s.mean_j_mu},
                                      {"asked_share_of_held", asked_share(s.speed_mps)},
                                      {"mean_share_of_held", study::or_null(s.mean_share)},
@@ -124,7 +124,7 @@ settings::Json brake_on_json(const RobustPlan& plan, const std::vector<Row>& row
                                  {"surface", plan.basis.landings[at.landing].surface},
                                  {"maneuver", plan.basis.landings[at.landing].maneuver},
                                  {"speed_mps", at.speed_mps},
-                                 {"ended_safe", row.tripped()},
+                                 {"ended_safe", row.brakes_released()},
                                  {"j_mu", row.figures.j_mu},
                                  {"held_j_mu", study::or_null(share.held_j_mu)},
                                  {"valve_travel_mAps", study::or_null(row.figures.valve_travel_mAps)},

@@ -22,7 +22,7 @@ struct BrakeOnSummary {
     std::size_t law = 0;
     double speed_mps = 0.0;
     std::size_t stops = 0;
-    std::size_t tripped = 0;
+    std::size_t brakes_released = 0;
     double mean_j_mu = 0.0;
     // J_mu over that of the held reference; none: the law holds no slip.
     std::optional<double> mean_share, min_share;

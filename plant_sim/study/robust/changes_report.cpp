@@ -9,8 +9,8 @@
 
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/json_number.hpp"
+#include "plant_sim/study/order_statistics.hpp"
 #include "plant_sim/study/robust/grids.hpp"
-#include "plant_sim/study/robust/percentile.hpp"
 
 namespace robust {
 
@@ -58,8 +58,8 @@ ChangesSummary changes_of(const RobustPlan& plan, const std::vector<Row>& rows, 
     s.measured = times_s.size();
     if (times_s.empty()) return s;
     std::sort(times_s.begin(), times_s.end());
-    s.median_s = percentile(times_s, 50);
-    s.percentile_90_s = percentile(times_s, 90);
+    s.median_s = study::percentile(times_s, 50);
+    s.percentile_90_s = study::percentile(times_s, 90);
     return s;
 }
 
@@ -123,7 +123,7 @@ settings::Json changes_json(const RobustPlan& plan, const std::vector<Row>& rows
                            {"maneuver", plan.basis.landings[change.from].maneuver},
                            {"grid_speed_mps", change.speed_mps},
                            {"measured", row.regrip && row.regrip->measured()},
-                           {"ended_safe", row.tripped()}};
+                           {"ended_safe", row.brakes_released()}};
         if (row.regrip) {
             one["speed_mps"] = row.regrip->speed_mps;
             one["judged_s"] = row.regrip->judged_s;

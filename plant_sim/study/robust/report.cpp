@@ -11,11 +11,12 @@
 #include <numeric>
 #include <utility>
 
+#include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/json_number.hpp"
+#include "plant_sim/study/order_statistics.hpp"
 #include "plant_sim/study/robust/brake_on_report.hpp"
 #include "plant_sim/study/robust/changes_report.hpp"
-#include "plant_sim/study/robust/percentile.hpp"
 #include "rig_bridge/pictures/figure.hpp"
 
 namespace robust {
@@ -55,8 +56,8 @@ std::optional<AgainstToldPeak> against(const std::vector<Row>& rows, const Summa
     a.draws = ratios.size();
     const auto within = std::upper_bound(ratios.begin(), ratios.end(), AgainstToldPeak::kWithin);
     a.within = static_cast<double>(within - ratios.begin()) / static_cast<double>(a.draws);
-    a.percentile_90 = percentile(ratios, 90);
-    a.percentile_99 = percentile(ratios, 99);
+    a.percentile_90 = study::percentile(ratios, 90);
+    a.percentile_99 = study::percentile(ratios, 99);
     const auto rest = std::find_if(ratios.begin(), ratios.end(), [](double r) { return !std::isfinite(r); });
     a.mean = std::accumulate(ratios.begin(), rest, 0.0) / static_cast<double>(rest - ratios.begin());
     return a;
@@ -73,19 +74,19 @@ std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
     return own;
 }
 
-/// J_mu over the share of stops that are not better, and the stops that ended in the safe state.
+/// J_mu over the share of stops that are not better, and the stops in which the brakes were released.
 std::array<pictures::Series, 2> curves(const RobustPlan& plan, const std::vector<Row>& rows, const Summary& s) {
     const std::vector<Row> own = worst_first(rows, s);
     pictures::Series all{.name = fmt::format("{}, mean {:.3f}", plan.laws[s.law].name, s.mean_j_mu), .colour = s.law, .width = 2.0};
-    pictures::Series safe{.name = fmt::format("{} ended safe", s.tripped), .style = pictures::Style::points, .colour = s.law};
+    pictures::Series released{.name = fmt::format("{} brakes released", s.brakes_released), .style = pictures::Style::points, .colour = s.law};
     all.add(0.0, own.front().figures.j_mu);
     for (std::size_t i = 0; i < own.size(); ++i) {
         const double share = 100.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(own.size());
         all.add(share, own[i].figures.j_mu);
-        if (own[i].tripped()) safe.add(share, own[i].figures.j_mu);
+        if (own[i].brakes_released()) released.add(share, own[i].figures.j_mu);
     }
     all.add(100.0, own.back().figures.j_mu);
-    return {all, safe};
+    return {all, released};
 }
 
 }  // namespace
@@ -104,7 +105,7 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
                     s.worst = row.number;
                 }
                 j_mu.push_back(row.figures.j_mu);
-                s.tripped += row.tripped() ? 1U : 0U;
+                s.brakes_released += row.brakes_released() ? 1U : 0U;
                 s.locked += row.figures.longest_lock_s > kLock_s ? 1U : 0U;
                 s.mean_j_mu += row.figures.j_mu;
                 s.mean_travel_mAps += row.figures.valve_travel_mAps.value_or(0.0);
@@ -114,7 +115,7 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
             s.mean_j_mu /= static_cast<double>(s.stops);
             s.mean_travel_mAps /= static_cast<double>(s.stops);
             std::sort(j_mu.begin(), j_mu.end());
-            s.percentile_j_mu = percentile(j_mu, 1);
+            s.percentile_j_mu = study::percentile(j_mu, 1);
             if (yardstick && !is_bound(plan.laws[law].name)) s.against_told_peak = against(rows, s, *yardstick);
             all.push_back(s);
         }
@@ -125,10 +126,10 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
 std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
     const bool told = told_peak(plan).has_value();
     auto table = settings::TextTable::markdown(
-        std::string("family|law|stops|ended safe|locked|mean J_mu:.4f|1st percentile:.3f|worst:.3f|valve travel (mA/s):.0f") +
+        std::string("family|law|stops|brakes released|locked|mean J_mu:.4f|1st percentile:.3f|worst:.3f|valve travel (mA/s):.0f") +
         (told ? "|distance over told_peak's: mean:|90 %|99 %|within 3 %" : ""));
     for (const Summary& s : summaries) {
-        table.add(name(s.family), plan.laws[s.law].name, s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu, s.worst_j_mu,
+        table.add(name(s.family), plan.laws[s.law].name, s.stops, s.brakes_released, s.locked, s.mean_j_mu, s.percentile_j_mu, s.worst_j_mu,
                   s.mean_travel_mAps);
         if (const auto& a = s.against_told_peak)
             table.add(ratio(a->mean), ratio(a->percentile_90), ratio(a->percentile_99), fmt::format("{:.1f} % of {}", 100.0 * a->within, a->draws));
@@ -152,7 +153,7 @@ std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const 
         json["families"].push_back({{"family", name(s.family)},
                                     {"law", plan.laws[s.law].name},
                                     {"stops", s.stops},
-                                    {"ended_safe", s.tripped},
+                                    {"ended_safe", s.brakes_released},
                                     {"locked", s.locked},
                                     {"mean_j_mu", s.mean_j_mu},
                                     {"percentile_1_j_mu", s.percentile_j_mu},
@@ -170,7 +171,7 @@ std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const 
     const auto has = [&](Family family) { return std::find(plan.families.begin(), plan.families.end(), family) != plan.families.end(); };
     if (has(Family::changes)) json["changes"] = changes_json(plan, rows);
     if (has(Family::brake_on)) json["brake_on"] = brake_on_json(plan, rows);
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows) {

@@ -25,8 +25,8 @@ struct Summary {
     Family family{};
     std::size_t law = 0;
     std::size_t stops = 0;
-    std::size_t tripped = 0;  ///< ended with a fault although the plant has none
-    std::size_t locked = 0;   ///< longest lock above 50 ms
+    std::size_t brakes_released = 0;  ///< number of stops with Row::brakes_released()
+    std::size_t locked = 0;           ///< longest lock above 50 ms
     double mean_j_mu = 0.0;
     double percentile_j_mu = 0.0;  ///< 1st percentile by nearest rank
     double worst_j_mu = 0.0;
@@ -43,7 +43,7 @@ struct Summary {
 [[nodiscard]] std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries);
 [[nodiscard]] std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows);
 
-/// One panel per family, one line per law: J_mu of every stop in ascending order, with crosses for those that ended in the safe state. Throws
+/// One panel per family, one line per law: J_mu of every stop in ascending order, with crosses for those with the brakes released. Throws
 /// std::runtime_error as pictures::run_gnuplot.
 void draw_j_mu(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png);
 

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <type_traits>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/control/slip_law.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/loop.hpp"
 #include "plant_sim/study/robust/grids.hpp"
@@ -146,7 +146,7 @@ RobustPlan load_plan(const RobustPlanOptions& o) {
     const auto controller = or_default(o.controller, "controller.toml");
     // Loaded before: GCC 12 destroys the members of a braced aggregate twice when a later one throws.
     const auto config = antiskid::load_controller_config(controller);
-    const auto layout = antiskid::can::load_layout(o.config / "antiskid.dbc", o.config / "antiskid_binding.toml");
+    const auto layout = antiskid::LayoutFiles(o.config).load();
     RobustPlan plan{.basis = {.uncertainty = load_uncertainty(ranges), .landings = {}, .surfaces = {}},
                     .controller = config,
                     .layout = layout,

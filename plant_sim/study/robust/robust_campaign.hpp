@@ -73,7 +73,8 @@ struct Row {
     study::StopFigures figures;
     antiskid::control::FaultSet faults;
     std::optional<Regrip> regrip;  ///< only for the family `changes`
-    [[nodiscard]] bool tripped() const { return !faults.empty(); }
+    /// Whether the controller named a fault, although the plant has none, and released the brakes for good.
+    [[nodiscard]] bool brakes_released() const { return !faults.empty(); }
 };
 
 struct RunOptions {

@@ -59,15 +59,27 @@ class BrakedWheel {
     plant::WheelState state_;
 };
 
-/// Whether the slip exceeds `most` after the current is cut off; observed until the slip stops rising, which may be after the valve's delay.
-bool slips_beyond(BrakedWheel wheel, double most, double delay_s, double period_s) {
+/// Cuts the current off until the slip stops rising, which may be after the valve's delay. True as soon as `too_much` holds for the wheel.
+template <typename TooMuch>
+bool exceeds_when_released(BrakedWheel& wheel, const TooMuch& too_much, double delay_s, double period_s) {
     double slip = 0.0;
     for (int i = 0; i * period_s < delay_s + 2.0 * period_s || wheel.forces().slip > slip; ++i) {
         slip = wheel.forces().slip;
         wheel.step(0.0);
-        if (wheel.forces().slip > most) return true;
+        if (too_much(wheel)) return true;
     }
     return false;
+}
+
+double reference_at(const antiskid::control::SlipConfig& config, double slip_reference, double v_mps) {
+    return static_cast<double>(antiskid::control::falling_reference(config, static_cast<float>(slip_reference), static_cast<float>(v_mps)));
+}
+
+/// Of the stop so far, and held exactly from here to drop-out.
+double stop_j_mu(const BrakedWheel& wheel, const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference,
+                 double drop_out_mps) {
+    const FrictionDistance rest = held_distance(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
+    return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.max_m);
 }
 
 }  // namespace
@@ -75,20 +87,8 @@ bool slips_beyond(BrakedWheel wheel, double most, double delay_s, double period_
 double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
                     double period_s) {
     BrakedWheel wheel(rig, rig.brake_on_mps, 0.0, period_s);
-    const auto has_more = [&](const BrakedWheel& w) {
-        return w.forces().slip > static_cast<double>(antiskid::control::falling_reference(config, static_cast<float>(slip_reference),
-                                                                                          static_cast<float>(w.state().v_mps)));
-    };
-    // Waits until the slip stops rising, at least for the valve's delay. Returns whether the slip was too large.
-    const auto release = [&](BrakedWheel& w) {
-        double slip = 0.0;
-        for (int i = 0; i * period_s < rig.valve.delay_s + 2.0 * period_s || w.forces().slip > slip; ++i) {
-            slip = w.forces().slip;
-            w.step(0.0);
-            if (has_more(w)) return true;
-        }
-        return false;
-    };
+    const auto has_more = [&](const BrakedWheel& w) { return w.forces().slip > reference_at(config, slip_reference, w.state().v_mps); };
+    const auto release = [&](BrakedWheel& w) { return exceeds_when_released(w, has_more, rig.valve.delay_s, period_s); };
     while (wheel.state().v_mps > drop_out_mps) {
         BrakedWheel next = wheel;
         next.step(kFullCurrent_mA);
@@ -96,14 +96,13 @@ double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::Slip
         if (release(released)) break;
         wheel = std::move(next);
     }
-    release(wheel);
-    const FrictionDistance rest = held_distance(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
-    return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.max_m);
+    (void)release(wheel);
+    return stop_j_mu(wheel, rig, config, slip_reference, drop_out_mps);
 }
 
 double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
                  double period_s, double late_s) {
-    constexpr double kLocks = 0.9;
+    const auto locks = [](const BrakedWheel& w) { return w.forces().slip > 0.9; };
     constexpr double kSteep = 1e4;  // a runway whose friction rises at hardly any slip
     BrakedWheel wheel(rig, rig.brake_on_mps, 0.0, period_s);
     const double earliest_slip = static_cast<double>(config.earliest_peak_slip);
@@ -111,9 +110,7 @@ double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipCon
     const auto late = static_cast<std::size_t>(std::lround(late_s / period_s));
     while (wheel.state().v_mps > drop_out_mps) {
         const plant::Forces now = wheel.forces();
-        const double reference = static_cast<double>(
-            antiskid::control::falling_reference(config, static_cast<float>(slip_reference), static_cast<float>(wheel.state().v_mps)));
-        if (now.slip >= reference) break;
+        if (now.slip >= reference_at(config, slip_reference, wheel.state().v_mps)) break;
         felt.push_back(now);
         const plant::Forces& known = felt[felt.size() > late ? felt.size() - 1 - late : 0];
         // First along the chord, to its value at the earliest peak.
@@ -121,10 +118,10 @@ double wary_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipCon
         BrakedWheel released = wheel;
         released.step(kFullCurrent_mA);
         released.meet({.name = {}, .c1 = known.mu * rises, .c2 = rises > 1.0 ? 1.0 / earliest_slip : kSteep, .c3 = 0.0});
-        wheel.step(slips_beyond(released, kLocks, rig.valve.delay_s, period_s) ? 0.0 : kFullCurrent_mA);
+        const bool would_lock = exceeds_when_released(released, locks, rig.valve.delay_s, period_s);
+        wheel.step(would_lock ? 0.0 : kFullCurrent_mA);
     }
-    const FrictionDistance rest = held_distance(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
-    return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.max_m);
+    return stop_j_mu(wheel, rig, config, slip_reference, drop_out_mps);
 }
 
 SoonestRegrip soonest_regrip(const rig::RigParameters& rig, const rig::Surface& other, double speed_mps, double period_s) {

@@ -71,8 +71,4 @@ void PartFile::append(std::string_view lines) {
     }
 }
 
-void PartFile::remove() {
-    std::filesystem::remove(path_);
-}
-
 }  // namespace sweep

@@ -20,7 +20,6 @@ class PartFile {
     [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
     /// Appends complete lines, with their ends. They survive the end of this program. Throws std::runtime_error if they cannot be written.
     void append(std::string_view lines);
-    void remove();
 
   private:
     std::filesystem::path path_;

@@ -2,15 +2,9 @@
 
 #include <algorithm>
 
-#include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/run_many.hpp"
 
 namespace sweep {
-
-Row run_one(const SweepPlan& plan, std::size_t number) {
-    const study::RunResult result = study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number), study::Link::rounded);
-    return {.stop = plan.stop(number), .figures = result.figures, .faults = result.faults};
-}
 
 std::vector<Row> run(const SweepPlan& plan, std::span<const std::size_t> numbers, const RunOptions& options) {
     std::vector<Row> rows;

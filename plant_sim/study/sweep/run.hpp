@@ -24,9 +24,6 @@ struct RunOptions {
     std::function<void(const Row&)> on_row{};  ///< called with each finished stop by any thread, one at a time
 };
 
-/// Runs stop `number` of the plan.
-[[nodiscard]] Row run_one(const SweepPlan& plan, std::size_t number);
-
 /// Starts stops `numbers` of the plan in that order; returns the finished ones in the order of their numbers. An exception of a stop or of on_row
 /// ends the run and is thrown.
 std::vector<Row> run(const SweepPlan& plan, std::span<const std::size_t> numbers, const RunOptions& options);

@@ -91,7 +91,7 @@ std::string to_json(const Summary& s) {
     json["checks"] = checks;
     json["unchecked"] = s.unchecked;
     json["passed"] = s.passed();
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_table(const Summary& s) {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
@@ -80,14 +80,13 @@ std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::s
 
 SweepPlan load_plan(const SweepPlanOptions& options) {
     const auto controller = options.config / "controller.toml";
-    const auto dbc = options.config / "antiskid.dbc";
-    const auto binding = options.config / "antiskid_binding.toml";
+    const antiskid::LayoutFiles layout(options.config);
     SweepPlan plan;
     plan.references = options.references;
     plan.threshold = options.threshold;
     plan.seed = options.seed;
     plan.controller = antiskid::load_controller_config(controller);
-    plan.layout = antiskid::can::load_layout(dbc, binding);
+    plan.layout = layout.load();
     plan.version = ANTISKID_VERSION;
     std::vector<std::filesystem::path> files;
     wear::BrakeWear wear;
@@ -104,7 +103,7 @@ SweepPlan load_plan(const SweepPlanOptions& options) {
             plan.scenarios.push_back({surface, maneuver, loaded.rig});
         }
     }
-    files.insert(files.end(), {controller, dbc, binding});
+    files.insert(files.end(), {controller, layout.dbc, layout.binding});
     plan.config_hash = settings::hash(files);
     const BrakeLife brake{.life_J = wear.life_J, .friction = [&wear](double c_e_J, wear::Generator& generator) {
                               return wear::friction_at(*wear.model, wear.scale, {}, c_e_J, generator);

@@ -92,15 +92,11 @@ class Sample {
     const Tariff& tariff_;
 };
 
-bool within(const ReferenceMeans& o, const Bounds& bounds) {
-    return !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
-}
-
 /// Index of the cheapest within the bounds, among equally cheap ones that with the greatest J_mu; the size if there is none.
 std::size_t best_of(const std::vector<ReferenceMeans>& offers, const Bounds& bounds) {
     std::size_t best = offers.size();
     for (std::size_t i = 0; i < offers.size(); ++i) {
-        if (!within(offers[i], bounds)) continue;
+        if (!bounds.allow(offers[i].j_mu, offers[i].stop_distance_m)) continue;
         if (best == offers.size()) {
             best = i;
             continue;

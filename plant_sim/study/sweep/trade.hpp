@@ -32,6 +32,10 @@ using Tariff = std::variant<Prices, Lives>;
 struct Bounds {
     std::optional<double> min_j_mu{};        ///< smallest allowed mean over the landings
     std::optional<double> max_distance_m{};  ///< largest allowed mean stop distance
+
+    [[nodiscard]] bool allow(double j_mu, double stop_distance_m) const {
+        return !(min_j_mu && j_mu < *min_j_mu) && !(max_distance_m && stop_distance_m > *max_distance_m);
+    }
 };
 
 struct TradeOptions {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "firmware/host/settings/json.hpp"
@@ -13,37 +14,14 @@ namespace sweep {
 
 namespace {
 
-const char* name_of(BindingLimit decides) {
-    switch (decides) {
-        case BindingLimit::nothing:
-            return "nothing";
-        case BindingLimit::min_j_mu:
-            return "min_j_mu";
-        case BindingLimit::max_distance:
-            return "max_distance";
-        case BindingLimit::end_of_references:
-            return "end_of_references";
-        case BindingLimit::no_cost:
-            return "no_cost";
-    }
-    return "";
-}
-
-const char* words_of(BindingLimit decides) {
-    switch (decides) {
-        case BindingLimit::nothing:
-            return "neither a bound nor the end of the references holds it: cost is least there";
-        case BindingLimit::min_j_mu:
-            return "the floor on J_mu decides: beyond it would be cheaper";
-        case BindingLimit::max_distance:
-            return "the ceiling on distance decides: beyond it would be cheaper";
-        case BindingLimit::end_of_references:
-            return "the end of the sweep's references decides: beyond may be cheaper";
-        case BindingLimit::no_cost:
-            return "nothing costs anything: the greatest J_mu within the bounds";
-    }
-    return "";
-}
+/// Name in JSON and words for people, by BindingLimit.
+constexpr std::array<std::array<const char*, 2>, 5> kLimits{{
+    {"nothing", "neither a bound nor the end of the references holds it: cost is least there"},
+    {"min_j_mu", "the floor on J_mu decides: beyond it would be cheaper"},
+    {"max_distance", "the ceiling on distance decides: beyond it would be cheaper"},
+    {"end_of_references", "the end of the sweep's references decides: beyond may be cheaper"},
+    {"no_cost", "nothing costs anything: the greatest J_mu within the bounds"},
+}};
 
 settings::Json json_of(const ReferenceMeans& o) {
     settings::Json json;
@@ -91,13 +69,11 @@ template <typename Y>
 pictures::Chart chart(const Trade& t, const TradeOptions& options, const char* y_label, const std::optional<double>& bound, const Y& y) {
     using pictures::Series;
     using pictures::Style;
-    const Bounds& bounds = options.bounds;
     Series outside{.name = "slip references", .style = Style::points, .colour = pictures::sky};
     Series inside{.name = "within the bounds", .style = Style::points, .colour = pictures::blue};
     double next_label = 0.0;
     for (const ReferenceMeans& o : t.offers) {
-        const bool good = !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
-        Series& one = good ? inside : outside;
+        Series& one = options.bounds.allow(o.j_mu, o.stop_distance_m) ? inside : outside;
         one.add(o.cost, y(o));
         const bool named = o.slip_reference >= next_label - 1e-9;
         one.notes.push_back(named ? fmt::format("{:.2f}", o.slip_reference) : "");
@@ -135,7 +111,7 @@ std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions&
     if (t.best) {
         json["best"] = json_of(*t.best);
         json["best"]["slip_reference_interval_95"] = {t.best_interval.low, t.best_interval.high};
-        json["decided_by"] = name_of(t.decides);
+        json["decided_by"] = kLimits.at(static_cast<std::size_t>(t.decides))[0];
     }
     if (t.paper) json["reference_0_24"] = json_of(*t.paper);
     if (t.threshold) json["threshold"] = json_of(*t.threshold);
@@ -143,7 +119,7 @@ std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions&
     if (t.against_threshold) json["saves_against_threshold"] = json_of(*t.against_threshold);
     json["greatest_j_mu"] = json_of(t.greatest_j_mu);
     json["min_distance"] = json_of(t.min_distance);
-    return json.dump(2) + "\n";
+    return settings::json_page(json);
 }
 
 std::string to_text(const Trade& t, const TradeOptions& options) {
@@ -154,7 +130,7 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
             t.greatest_j_mu.j_mu, t.greatest_j_mu.slip_reference, t.min_distance.stop_distance_m, t.min_distance.slip_reference);
     else
         text += fmt::format("Best fixed slip reference {:.3f} (95 %: {:.3f} to {:.3f}); {}.\n", t.best->slip_reference, t.best_interval.low,
-                            t.best_interval.high, words_of(t.decides));
+                            t.best_interval.high, kLimits.at(static_cast<std::size_t>(t.decides))[1]);
     auto table = settings::TextTable::screen(
         fmt::format(":<16|J_mu:>10.4f|distance_m:>12.1f|brake_MJ:>11.3f|tyre_MJ:>10.3f|{}:>14", by_life(options) ? "landings" : "cost"));
     const auto row = [&](const std::string& name, const std::optional<ReferenceMeans>& o) {

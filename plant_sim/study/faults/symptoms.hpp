@@ -1,4 +1,5 @@
-/// Figures of a stop computed only from the controller's inputs. Without a fault they are near those of other fault-free stops, on any runway.
+/// Symptoms of a fault: figures of a stop computed only from the controller's inputs and commands. Without a fault they are near those of other
+/// fault-free stops, on any runway.
 #pragma once
 
 #include <array>
@@ -12,8 +13,8 @@
 
 namespace faults {
 
-enum class Sign : std::uint8_t {
-    late,     ///< s, largest delay of a wheel frame relative to its own edges
+enum class Symptom : std::uint8_t {
+    late,     ///< s, largest delay of a wheel frame after its newest edge, beyond the smallest so far
     refused,  ///< number of rejected frames of all inputs
     wild,     ///< number of impossible readings of the wheel above 2.7 times drop-out, decreasing by two per second; its maximum
     scatter,  ///< root mean square deviation of the wheel's readings from the expected speed, in standard deviations of a reading
@@ -22,22 +23,19 @@ enum class Sign : std::uint8_t {
     lag,      ///< s, delay of the pressure behind the command, by regression on the commanded rate
     excess,   ///< s, integral of the slip beyond 0.05 above the reference in force; decreases below it
 };
-inline constexpr std::array<std::string_view, 8> kSignNames{"late_s", "refused", "wild", "scatter", "mass_kg", "off_map_Pa", "lag_s", "excess_s"};
-[[nodiscard]] constexpr std::string_view name(Sign sign) {
-    return kSignNames[static_cast<std::size_t>(sign)];
-}
+inline constexpr std::array<std::string_view, 8> kSymptomNames{"late_s", "refused", "wild", "scatter", "mass_kg", "off_map_Pa", "lag_s", "excess_s"};
 
-/// Indexed by Sign.
-using Signs = std::array<double, kSignNames.size()>;
+/// Indexed by Symptom.
+using Symptoms = std::array<double, kSymptomNames.size()>;
 
-/// Computes the figures during a stop, with an estimator of its own.
-class Witness {
+/// Computes the symptoms during a stop, with an estimator of its own.
+class SymptomMeter {
   public:
-    explicit Witness(const antiskid::control::Config& config) : config_(config), estimator_(config) {}
+    explicit SymptomMeter(const antiskid::control::Config& config) : config_(config), estimator_(config) {}
 
-    /// Call after each step of the controller with its inputs and its answer. `counts`: whether the step counts.
+    /// Call after each step of the controller with its inputs and its command. `counts`: whether the fault has begun.
     void take(const antiskid::control::Sensors& sensors, const antiskid::control::Command& command, bool counts);
-    [[nodiscard]] Signs signs() const;
+    [[nodiscard]] Symptoms symptoms() const;
 
   private:
     void take_wheel(const antiskid::control::Estimate& before);

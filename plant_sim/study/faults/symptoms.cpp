@@ -1,4 +1,4 @@
-#include "plant_sim/study/faults/evidence.hpp"
+#include "plant_sim/study/faults/symptoms.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ using antiskid::control::Sensors;
 using antiskid::control::SpeedReading;
 using antiskid::control::State;
 
-void Witness::take_wheel(const Estimate& before) {
+void SymptomMeter::take_wheel(const Estimate& before) {
     const SpeedReading& reading = estimator_.wheel_reading();
     if (!reading.fresh) return;
     const double period_s = static_cast<double>(config_.period_s);
@@ -40,7 +40,7 @@ void Witness::take_wheel(const Estimate& before) {
     squares_ += off * off / (noise * noise);
 }
 
-void Witness::take_pressure(const Sensors& sensors, double model_before_Pa) {
+void SymptomMeter::take_pressure(const Sensors& sensors, double model_before_Pa) {
     const double model_Pa = static_cast<double>(estimator_.uncorrected_pressure_Pa());
     const double reads_Pa = static_cast<double>(sensors.pressure.pressure_Pa);
     const double rate = (model_Pa - model_before_Pa) / static_cast<double>(config_.period_s);
@@ -50,7 +50,7 @@ void Witness::take_pressure(const Sensors& sensors, double model_before_Pa) {
     lag_down_ += rate * rate;
 }
 
-void Witness::take(const Sensors& sensors, const Command& command, bool counts) {
+void SymptomMeter::take(const Sensors& sensors, const Command& command, bool counts) {
     const Estimate before = estimator_.estimate();
     const double model_before_Pa = static_cast<double>(estimator_.uncorrected_pressure_Pa());
     const Estimate& e = estimator_.update(sensors, held_Pa_);
@@ -74,7 +74,7 @@ void Witness::take(const Sensors& sensors, const Command& command, bool counts) 
     most_excess_s_ = std::max(most_excess_s_, excess_s_);
 }
 
-Signs Witness::signs() const {
+Symptoms SymptomMeter::symptoms() const {
     const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
     return {late_s_,
             static_cast<double>(refused_),
