@@ -15,14 +15,15 @@ async def copy(reader, writer):
         while data := await reader.read(65536):
             writer.write(data)
             await writer.drain()
+        writer.write_eof()  # the other direction may have more
     except OSError:
-        pass  # either end may hang up
-    finally:
-        writer.close()
+        writer.close()  # the other end hung up
 
 
 async def join(one, other):
     await asyncio.gather(copy(one[0], other[1]), copy(other[0], one[1]))
+    for _, writer in (one, other):
+        writer.close()
 
 
 class Outside:
