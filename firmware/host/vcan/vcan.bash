@@ -13,8 +13,9 @@ machine's kernel has vcan, else in a user-mode Linux guest (one virtual CPU on o
   ./rig vcan --port 8410 -- build/release/bin/virtual-rig serve --can vcan0 --scenario config/scenarios/heavy.toml --panel
 
 Directory, environment, standard output and error, and exit status (128+n for signal n) are those of the command; standard
-input is empty; /dev/shm is fresh; there is no other network. With --port what
-listens at 127.0.0.1:N there is reached at 127.0.0.1:N here. When the command ends, so does all that it has started.
+input is empty; /dev/shm is fresh; there is no other network. With --port what listens there at 127.0.0.1:N is reached here
+at 127.0.0.1:N; a guest then reaches, as 10.0.2.2, what listens at 127.0.0.1 here. When the command ends, so does all that it
+has started.
 SIGINT, SIGTERM, SIGHUP and SIGQUIT go to the command's process group; SIGKILL follows after 5 s, a second signal ends all at
 once. With --disk it is a guest, and the file IMAGE its block device /dev/ubda. In a guest the command sees itself as root, and standard
 output and error are files that are copied out as they grow.
