@@ -57,12 +57,12 @@ void check_only_truth(const std::string& expected_error, const fake::Manners& sp
         const auto now = client.snapshot();
         const double speed = now.value(Measured::flywheel_speed_mps);
         believed = believed || !(std::isnan(speed) || speed == kTruth);
-        if (now.error.find("input registers 0 to 19") != std::string::npos) error = now.error;
+        // Not only the newest error: on a busy machine an honest answer may be late, too.
+        if (now.error.find("input registers 0 to 19") != std::string::npos && now.error.find(expected_error) != std::string::npos) error = now.error;
         return polls > 20 && now.counters.connects >= 5 && !error.empty();
     }));
     CHECK_FALSE(believed);
     CHECK_THAT(error, ContainsSubstring("127.0.0.1:" + std::to_string(plc.port())));
-    CHECK_THAT(error, ContainsSubstring(expected_error));
     REQUIRE(eventually([&] { return client.snapshot().link == LinkState::connected; }));
 }
 
@@ -313,17 +313,16 @@ TEST_CASE("On a serial line a wrong checksum or unit is not believed", "[BRG-034
         },
         kTruth);
     const rig::modbus::ModbusClient client(impatient(), rig::modbus::SerialDevice{plc.path()});
-    bool believed = false;
-    std::string error;
+    bool believed = false, named = false;
     REQUIRE(eventually([&] {
         const auto now = client.snapshot();
         const double speed = now.value(Measured::flywheel_speed_mps);
         believed = believed || !(std::isnan(speed) || speed == kTruth);
-        if (!now.error.empty()) error = now.error;
-        return polls >= 10 && now.counters.connects >= 3;
+        // Not only the newest error: on a busy machine an honest answer may be late, too.
+        named = named || now.error.find(unit ? "another unit" : "checksum") != std::string::npos;
+        return named && polls >= 10 && now.counters.connects >= 3;
     }));
     CHECK_FALSE(believed);
-    CHECK_THAT(error, ContainsSubstring(unit ? "another unit" : "checksum"));
 }
 
 TEST_CASE("The checksum of the serial fake is the published one", "[BRG-034]") {
