@@ -117,11 +117,6 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
     return settings::parse(app, argc, argv);
 }
 
-int exit_status(plant_sim::Ending ending) {
-    if (ending == plant_sim::Ending::done) return 0;
-    return ending == plant_sim::Ending::stopped ? 130 : 1;
-}
-
 int run(const Options& o, const plant_sim::StopInputs& s) {
     if (s.brake) {
         const std::string notice = plant_sim::extrapolation_notice(*s.brake);
@@ -173,7 +168,8 @@ int run(const Options& o, const plant_sim::StopInputs& s) {
     const double taken_J = session.rig().wheel().energy_brake_J;
     if (taken_J > 0.0) s.save_brake(o.scenario, taken_J);
     if (!result.reason.empty()) fmt::print(stderr, "virtual-rig: {}\n", result.reason);
-    return exit_status(result.ending);
+    if (result.ending == plant_sim::Ending::stopped) return signals.exit_status();
+    return result.ending == plant_sim::Ending::done ? 0 : 1;
 }
 
 /// Configuration errors end with status 2, later ones with 1.

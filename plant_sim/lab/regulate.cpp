@@ -25,8 +25,6 @@ namespace {
 
 using regulation::Mix;
 
-constexpr int kStopped = 130;
-
 struct RegulateCommand {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path regulation_file;  ///< empty: regulation.toml of `config`
@@ -105,7 +103,7 @@ struct RegulateCommand {
                                                     return by_table ? land_by_table(sites, asked.floor, requests) : land(sites, requests, threads);
                                                 });
         progress.finish();
-        if (report.policies.empty()) return kStopped;
+        if (report.policies.empty()) return signals.exit_status();
         std::vector<std::filesystem::path> files = sites.files;
         files.insert(files.end(), asked.files.begin(), asked.files.end());
         report.config_hash = settings::hash(files);
@@ -143,7 +141,7 @@ struct RegulateCommand {
         options.on_stops = [&](std::size_t stops) { progress.show(static_cast<std::int64_t>(stops)); };
         const wear::SurfaceTable table = plant_sim::lab::characterise(sites, options);
         progress.finish();
-        if (table.rows.empty()) return kStopped;
+        if (table.rows.empty()) return signals.exit_status();
         settings::write_file(characterised, wear::to_toml(table, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
         print_table(json_file, "{}: {} references on {} surfaces\n", characterised.string(), table.reference.size(), table.rows.size());
         return 0;

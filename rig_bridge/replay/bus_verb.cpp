@@ -125,7 +125,7 @@ struct BusCommand {
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
         }
         settings::deliver(json, to_json(*report, log, can));
-        if (report->stopped) return 130;
+        if (report->stopped) return signals.exit_status();
         if (report->sent == 0) throw std::runtime_error(log + ": no frame to play (see the warnings above, --interface and --id)");
         return report->unsent == 0 ? 0 : 1;
     }

@@ -82,7 +82,7 @@ bool accepts(const Layout& layout, const Frame& frame) {
     return accepted != 0;
 }
 
-RigSample some_sample() {
+RigSample protected_sample() {
     RigSample sample;
     sample.wheel = {.edge_count = 0xA5C3, .edge_time = control::Time{123'456'789'000}, .speed_radps = 150.0F};
     sample.flywheel = {.edge_count = 77, .edge_time = control::Time{42}, .speed_radps = 160.0F};
@@ -120,7 +120,7 @@ TEST_CASE("the CRC covers the data ID, low byte first, and the payload without i
 
 TEST_CASE("every flip of one or two bits of every protected frame is refused", "[CAN-010]") {
     for (const Layout* layout : {&ours(), &foreign()}) {
-        for (const RigSample& sample : {RigSample{}, some_sample()}) {
+        for (const RigSample& sample : {RigSample{}, protected_sample()}) {
             for (const Frame& frame : protected_frames(*layout, sample)) {
                 REQUIRE(accepts(*layout, frame));
                 const std::size_t bits = std::size_t{frame.length} * 8;
@@ -145,7 +145,7 @@ TEST_CASE("every flip of one or two bits of every protected frame is refused", "
 
 TEST_CASE("a right frame under the identifier of another message is refused", "[CAN-010]") {
     RigPort rig(ours(), control::Time{1'000'000});
-    Frame frame = rig.wheel(some_sample().wheel);
+    Frame frame = rig.wheel(protected_sample().wheel);
     frame.id = ours()[Role::flywheel].id;
     CHECK_FALSE(accepts(ours(), frame));
 }

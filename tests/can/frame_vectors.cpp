@@ -19,12 +19,12 @@ using settings::Json;
 
 namespace {
 
-constexpr Time kStep{1'000'000};
+constexpr Time kPortPeriod{1'000'000};
 
 class Writer {
   public:
     Writer(std::string layout_name, const Layout& layout)
-        : layout_name_(std::move(layout_name)), layout_(layout), rig_(layout, kStep), port_(layout, kStep), observer_(layout) {}
+        : layout_name_(std::move(layout_name)), layout_(layout), rig_(layout, kPortPeriod), port_(layout, kPortPeriod), observer_(layout) {}
 
     void run(int samples) {
         for (int i = 0; i < samples; ++i) one();

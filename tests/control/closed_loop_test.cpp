@@ -142,7 +142,7 @@ TEST_CASE("no false fault at other control periods", "[CTL-085]") {
 namespace {
 
 /// What spoils the sensors: the time since brake-on.
-using Spoil = std::function<void(Sensors&, double since_s)>;
+using SpoilSince = std::function<void(Sensors&, double since_s)>;
 
 struct Outcome {
     FaultSet faults;
@@ -153,7 +153,7 @@ struct Outcome {
 };
 
 /// The reference landing on a surface with spoilt sensors, in closed loop, until 3 s after brake-on.
-Outcome brake(const std::string& surface, const Spoil& spoil) {
+Outcome brake(const std::string& surface, const SpoilSince& spoil) {
     plant_sim::StopOptions options;
     options.choice.surface = surface;
     const plant_sim::StopInputs s = plant_sim::load_scenario(options);
@@ -184,7 +184,7 @@ Outcome brake(const std::string& surface, const Spoil& spoil) {
 }
 
 /// The encoder's edges stop one second after brake-on.
-Spoil dies(SpeedInput Sensors::*const input) {
+SpoilSince dies(SpeedInput Sensors::*const input) {
     return [input, last = SpeedInput{}](Sensors& seen, const double since) mutable {
         if (since < 1.0) last = seen.*input;
         (seen.*input).edge_count = last.edge_count;
@@ -194,7 +194,7 @@ Spoil dies(SpeedInput Sensors::*const input) {
 
 /// No frames for `gap_s`, one second after brake-on.
 template <typename Input>
-Spoil gap(Input Sensors::*const input, const double gap_s) {
+SpoilSince gap(Input Sensors::*const input, const double gap_s) {
     return [=, last = Input{}](Sensors& seen, const double since) mutable {
         if (since < 1.0 || since > 1.0 + gap_s)
             last = seen.*input;
@@ -228,7 +228,7 @@ TEST_CASE("frames that are lost for less than their age hardly show", "[CTL-085]
     const auto* const surface = GENERATE("dry_asphalt", "wet_asphalt", "snow", "ice");
     const double gap_s = GENERATE(1e-3, 5e-3, 15e-3);
     const Outcome undisturbed = brake(surface, [](Sensors&, double) {});
-    const auto check = [&](const Spoil& spoil) {
+    const auto check = [&](const SpoilSince& spoil) {
         const Outcome o = brake(surface, spoil);
         CAPTURE(surface, gap_s, o.max_request_Pa, undisturbed.max_request_Pa);
         CHECK(o.faults.empty());
@@ -244,7 +244,7 @@ TEST_CASE("one wrong reading hardly shows", "[CTL-085]") {
     const auto* const surface = GENERATE("dry_asphalt", "wet_asphalt", "snow", "ice");
     const Outcome undisturbed = brake(surface, [](Sensors&, double) {});
     const auto at_one_second = [](const double since) { return since > 0.9995 && since < 1.0005; };
-    const auto check = [&](const Spoil& spoil) {
+    const auto check = [&](const SpoilSince& spoil) {
         const Outcome o = brake(surface, spoil);
         CAPTURE(surface, o.max_request_Pa, undisturbed.max_request_Pa);
         CHECK(o.faults.empty());

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "tests/catch.hpp"
@@ -13,22 +12,24 @@
 
 using namespace antiskid::control;
 using control_test::fixed_config;
+using control_test::kInf;
+using control_test::kNaN;
 using control_test::Shaft;
 using control_test::ValveTruth;
 
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kStep_s = 1e-3;
 constexpr double kLiftPerStiffness = 3.61375 / 2.7e6;
 
 /// A wheel under an estimator. Whoever uses it says how aircraft and wheel move.
-struct Wheel {
-    explicit Wheel(const Config& c = fixed_config()) : config(c), estimator(c) { sensors.maneuver.weight_on_wheels = true; }
+struct RollingWheel {
+    explicit RollingWheel(const Config& c = fixed_config()) : config(c), estimator(c) { sensors.maneuver.weight_on_wheels = true; }
 
     const Estimate& move(const double v, const double omega, const double pressure_Pa = 0.0, const double current_mA = 0.0) {
         now += Time{1'000'000};
-        flywheel.turn_to(v / 0.6, kPeriod_s);
-        wheel.turn_to(omega, kPeriod_s);
+        flywheel.turn_to(v / 0.6, kStep_s);
+        wheel.turn_to(omega, kStep_s);
         flywheel.report(sensors.flywheel, now);
         wheel.report(sensors.wheel, now);
         sensors.pressure.received = now;
@@ -52,7 +53,7 @@ struct Wheel {
 TEST_CASE("a free-rolling wheel shows its radius", "[CTL-300]") {
     const double standing = GENERATE(0.310, 0.322, 0.335);
     const double v = GENERATE(20.0, 45.0, 61.0);
-    Wheel w;
+    RollingWheel w;
     w.roll(v, standing, 600);
     const Estimate& e = w.estimator.estimate();
     CHECK(e.speeds_known);
@@ -65,7 +66,7 @@ TEST_CASE("a free-rolling wheel shows its radius", "[CTL-300]") {
 }
 
 TEST_CASE("what is no free roll leaves the radius alone", "[CTL-300]") {
-    Wheel w;
+    RollingWheel w;
     const auto standing = [&] {
         const Estimate& e = w.estimator.estimate();
         return static_cast<double>(e.radius_m) - kLiftPerStiffness * static_cast<double>(e.v_mps * e.v_mps);
@@ -101,7 +102,7 @@ TEST_CASE("what is no free roll leaves the radius alone", "[CTL-300]") {
 }
 
 TEST_CASE("slip is eq. (3) and zero at standstill", "[CTL-300]") {
-    Wheel w;
+    RollingWheel w;
     w.roll(50.0, 0.322, 300);
     const double r = 0.322 + kLiftPerStiffness * 2500.0;
     const double slip = GENERATE(-0.5, 0.0, 0.1, 0.5, 0.9);
@@ -114,7 +115,7 @@ TEST_CASE("slip is eq. (3) and zero at standstill", "[CTL-300]") {
 }
 
 TEST_CASE("before anything has arrived nothing is known", "[CTL-300]") {
-    Wheel w;
+    RollingWheel w;
     for (int i = 0; i < 50; ++i) {
         const Estimate& e = w.estimator.update(w.sensors, 0.0F);
         REQUIRE_FALSE(e.speeds_known);
@@ -142,7 +143,7 @@ TEST_CASE("road torque and prediction agree with an independent simulation", "[C
     const double balance_Pa = GENERATE(2e6, 8e6);
     const double v0 = GENERATE(30.0, 60.0);
     const Config config = fixed_config();
-    Wheel w(config);
+    RollingWheel w(config);
     w.roll(v0, 0.322, 400);
     const double r = 0.322 + kLiftPerStiffness * v0 * v0;
     Truth truth{.v = v0, .omega = v0 / r, .r = r, .v_dot = -4.0, .road_Nm = 1.04e-3 * balance_Pa};
@@ -153,7 +154,7 @@ TEST_CASE("road torque and prediction agree with an independent simulation", "[C
     truth.road_Nm = 0.0;
     for (int k = 0; k < kPeriods; ++k) {
         // The current of the step before acts over this period.
-        valve.hold(static_cast<double>(valve_pressure_Pa(config.valve, static_cast<float>(current_mA))), kPeriod_s,
+        valve.hold(static_cast<double>(valve_pressure_Pa(config.valve, static_cast<float>(current_mA))), kStep_s,
                    [&](const double p, const double h) {
                        // The tyre takes what the brake gives until the balance is reached.
                        truth.road_Nm = 1.04e-3 * std::min(balance_Pa, k < 60 ? p : balance_Pa);
@@ -164,7 +165,7 @@ TEST_CASE("road torque and prediction agree with an independent simulation", "[C
         late.push_back(static_cast<double>(e.late_slip));
         balances.push_back(static_cast<double>(e.late_balance_Pa));
         // A stabilizing hand, so that the wheel neither locks nor spins free, with a swing on top.
-        const double swing = 0.15 * balance_Pa * std::sin(2.0 * 3.14159 * 3.0 * k * kPeriod_s);
+        const double swing = 0.15 * balance_Pa * std::sin(2.0 * 3.14159 * 3.0 * k * kStep_s);
         const double wanted = balance_Pa + swing + 1e5 * v0 * (0.2 - truth.slip()) * (k >= 60 ? 1.0 : 0.0);
         current_mA = static_cast<double>(valve_current_mA(config.valve, static_cast<float>(wanted)));
     }
@@ -183,12 +184,11 @@ TEST_CASE("road torque and prediction agree with an independent simulation", "[C
 }
 
 TEST_CASE("readings that cannot be leave no trace", "[CTL-010]") {
-    constexpr float kInf = std::numeric_limits<float>::infinity();
-    constexpr std::array<float, 6> kBad{std::numeric_limits<float>::quiet_NaN(), kInf, -kInf, -5.0F, 401.0F, 3e38F};
+    constexpr std::array<float, 6> kBad{kNaN, kInf, -kInf, -5.0F, 401.0F, 3e38F};
     const float bad = kBad[static_cast<std::size_t>(GENERATE(range(0, 6)))];
-    Wheel w;
+    RollingWheel w;
     w.roll(50.0, 0.322, 300);
-    Wheel healthy = w;
+    RollingWheel healthy = w;
     const auto strike = [&](auto& speed) {
         const SpeedInput before = speed;
         speed.source = SpeedSource::speed;
@@ -221,9 +221,9 @@ TEST_CASE("readings that cannot be leave no trace", "[CTL-010]") {
 }
 
 TEST_CASE("a sensor that is wrong from its first frame starts no filter", "[CTL-010]") {
-    Wheel w;
+    RollingWheel w;
     w.sensors.wheel.source = SpeedSource::speed;
-    w.sensors.wheel.speed_radps = std::numeric_limits<float>::infinity();
+    w.sensors.wheel.speed_radps = kInf;
     w.sensors.wheel.received = Time{1};
     for (int i = 0; i < 3; ++i) {
         w.sensors.wheel.received += Time{1'000'000};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -18,6 +17,8 @@
 
 using namespace antiskid::control;
 using control_test::Bench;
+using control_test::kInf;
+using control_test::kNaN;
 
 namespace {
 
@@ -80,9 +81,6 @@ Spoil command(const std::function<void(ManeuverInput&)>& spoil) {
         if (period > 0) spoil(seen.maneuver);
     };
 }
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
 
 /// Every way to bring about the fault of a bit.
 std::map<Fault, std::vector<Injection>> injections() {

@@ -1,11 +1,18 @@
 /// A configuration that never changes, so that tests and golden numbers outlive a retuning of config/controller.toml.
 #pragma once
 
+#include <limits>
 #include <numbers>
 
 #include "firmware/control/config.hpp"
 
 namespace control_test {
+
+inline constexpr float kPeriod_s = 1e-3F;
+inline constexpr antiskid::control::Time kMillisecond{1'000'000};
+inline constexpr float kExact_s = 1.0F / 1024.0F;  // sums of it are not rounded
+inline constexpr float kInf = std::numeric_limits<float>::infinity();
+inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 [[nodiscard]] inline antiskid::control::Config fixed_config(const float period_s = 1e-3F) {
     namespace control = antiskid::control;

@@ -6,7 +6,6 @@
 
 namespace control_test {
 
-inline constexpr float kPeriod_s = 1e-3F;
 inline constexpr float kFull_Pa = 20.7e6F;
 
 /// A wheel at `slip` and `v_mps`, at rest in its slip: pressure and road torque in balance, now and after the delay.

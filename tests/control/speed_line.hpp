@@ -5,16 +5,17 @@
 #include <numbers>
 
 #include "firmware/control/speed_estimator.hpp"
+#include "tests/control/fixed_config.hpp"
 #include "tests/control/shaft.hpp"
 
 namespace speed_test {
 
 using namespace antiskid::control;
+using control_test::kMillisecond;
 using control_test::Shaft;
 
 inline constexpr double kTeeth = 60.0;
 inline constexpr double kTooth_rad = 2.0 * std::numbers::pi / kTeeth;
-inline constexpr Time kMillisecond{1'000'000};
 
 /// One shaft, its frames and the estimator, a frame a period.
 struct Line {

@@ -6,14 +6,16 @@
 #include <limits>
 
 #include "tests/catch.hpp"
+#include "tests/control/fixed_config.hpp"
 
 using antiskid::control::EncoderConfig;
 using antiskid::control::SpeedReading;
 using antiskid::control::SpeedTracker;
+using control_test::kExact_s;
+using control_test::kPeriod_s;
 
 namespace {
 
-constexpr float kPeriod_s = 1e-3F;
 constexpr float kMax = 30'000.0F;  // of acceleration
 constexpr EncoderConfig kEncoder{.max_speed_radps = 1e6F, .max_acceleration_radps2 = kMax, .reject_timeout_s = 0.01F};
 
@@ -169,7 +171,6 @@ TEST_CASE("an upper bound that is just met says nothing", "[CTL-010]") {
 
 TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-010]") {
     // With half of its memory lost in a period every number is exact: 22.5 rad/s, and as much less in a period.
-    constexpr float kExact_s = 1.0F / 1024.0F;
     SpeedTracker tracker(1024.0F, kEncoder);
     for (const double radps : {100.0, 60.0, 20.0}) tracker.update(reading_of(radps, kExact_s), kExact_s);
     REQUIRE(tracker.speed() == 22.5F);
@@ -202,7 +203,6 @@ TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "
 }
 
 TEST_CASE("a reading exactly at the limit is believed", "[CTL-300]") {
-    constexpr float kExact_s = 1.0F / 1024.0F;
     SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 16.0F, .reject_timeout_s = 0.01F});
     tracker.update(reading_of(32.0, kExact_s), kExact_s);
     tracker.update(reading_of(32.0 + 2.0 * 16.0 / 1024.0, kExact_s), kExact_s);

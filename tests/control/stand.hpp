@@ -9,7 +9,6 @@ namespace control_test {
 
 namespace control = antiskid::control;
 
-inline constexpr float kPeriod_s = 1e-3F;
 inline constexpr float kRadius_m = 0.32F;
 
 /// One supervisor and its inputs.

@@ -21,11 +21,11 @@ Estimate at(const float slip, const float mps2, const float pressure_Pa = 5e6F) 
     return e;
 }
 
-struct Bench {
+struct LawByItself {
     ThresholdLaw law{fixed_config().threshold, kPeriod_s};
     float pressure = 0.0F;
 
-    Bench() { law.start(at(0.0F, 0.0F, 5e6F)); }
+    LawByItself() { law.start(at(0.0F, 0.0F, 5e6F)); }
     Action step(const float slip, const float mps2, const float ceiling = kFull_Pa) {
         pressure = law.pressure_Pa(at(slip, mps2), ceiling);
         return law.action();
@@ -42,7 +42,7 @@ struct Bench {
     }
 };
 
-struct Row {
+struct ActionRow {
     const char* why;
     Action from;
     float slip;
@@ -53,7 +53,7 @@ struct Row {
 }  // namespace
 
 TEST_CASE("the actions change where the thresholds say", "[CTL-330]") {
-    const Row row = GENERATE(values<Row>({
+    const ActionRow row = GENERATE(values<ActionRow>({
         {"grip", Action::increase, 0.10F, -10.0F, Action::increase},
         {"slip between the thresholds alone", Action::increase, 0.30F, -10.0F, Action::increase},
         {"hard deceleration without slip is the brake's onset", Action::increase, 0.10F, -60.0F, Action::increase},
@@ -76,13 +76,13 @@ TEST_CASE("the actions change where the thresholds say", "[CTL-330]") {
         {"slip at the lower threshold has not recovered", Action::hold, 0.20F, 5.0F, Action::hold},
     }));
     CAPTURE(row.why);
-    Bench b;
+    LawByItself b;
     b.into(row.from);
     CHECK(b.step(row.slip, row.mps2) == row.to);
 }
 
 TEST_CASE("the pressure rises, holds and falls at its rates", "[CTL-330]") {
-    Bench b;
+    LawByItself b;
     b.step(0.1F, -5.0F);
     CHECK(b.pressure == Approx(5e6 + 64e6 * 1e-3));  // first rise
     float before = b.pressure;
@@ -105,7 +105,7 @@ TEST_CASE("the pressure rises, holds and falls at its rates", "[CTL-330]") {
 }
 
 TEST_CASE("restoring never lowers the pressure, and a new start forgets the skid", "[CTL-330]") {
-    Bench b;
+    LawByItself b;
     for (int i = 0; i < 100; ++i) b.step(0.1F, -5.0F);  // 11.4 MPa asked for, 5 measured
     b.step(0.5F, -5.0F);
     b.step(0.45F, 3.0F);
@@ -120,7 +120,7 @@ TEST_CASE("restoring never lowers the pressure, and a new start forgets the skid
 }
 
 TEST_CASE("the threshold law stays between nothing and the ceiling", "[CTL-330]") {
-    Bench b;
+    LawByItself b;
     for (int i = 0; i < 1000; ++i) {
         b.step(0.1F, -5.0F, 7e6F);
         REQUIRE(b.pressure <= 7e6F);

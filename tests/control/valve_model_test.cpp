@@ -2,7 +2,6 @@
 #include "firmware/control/valve_model.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 
@@ -12,6 +11,8 @@
 
 using namespace antiskid::control;
 using control_test::fixed_config;
+using control_test::kInf;
+using control_test::kNaN;
 using control_test::ValveTruth;
 
 namespace {
@@ -89,8 +90,6 @@ TEST_CASE("map and inverse map are each other's inverse", "[CTL-020]") {
 TEST_CASE("no pressure asks for the safe current, and what is no number for no pressure", "[CTL-020]") {
     ValveConfig v = fixed_config().valve;
     v.safe_current_mA = 1.5F;
-    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-    constexpr float kInf = std::numeric_limits<float>::infinity();
     for (const float none : {0.0F, -0.0F, -1.0F, -kInf, kNaN}) CHECK(valve_current_mA(v, none) == 1.5F);
     CHECK(valve_current_mA(v, 1.0F) >= 3.0F);  // the dead zone is jumped
     CHECK(valve_current_mA(v, kInf) == 40.0F);

@@ -8,9 +8,6 @@ namespace control_test {
 
 namespace control = antiskid::control;
 
-inline constexpr float kExact_s = 1.0F / 1024.0F;  // sums of it are not rounded
-inline constexpr control::Time kMillisecond{1'000'000};
-
 /// Periods and maximum age whose quotient and products are exact.
 inline control::Config exact_config() {
     control::Config config = fixed_config(kExact_s);

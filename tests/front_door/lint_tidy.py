@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """clang-tidy over the project's own files, on all cores.
 
-What a target compiles is analysed as one translation unit (a CMake unity build): most of the time would go into the headers, again for
-every file. A target that was clean is not analysed again until something changes that the result depends on: the text of its files or of
-anything they include, how they are compiled, the checks in force for them, or clang-tidy itself. The evidence is an empty file of that
-hash in the user's cache directory; it does not depend on where the project lies, so that another clone finds it too.
+What a target compiles is analysed as one translation unit, and so are all tests of a folder: most of the time would go into the headers, again
+for every file. A unit that was clean is not analysed again until something changes that the result depends on: the text of its files or of
+anything they include, how they are compiled, the checks in force for them, or clang-tidy itself. The evidence is an empty file of that hash in the
+user's cache directory; it does not depend on where the project lies, so that another clone finds it too.
 
-    lint_tidy.py BUILD_DIR     its own unity build is configured in BUILD_DIR/UnifiedSource
+    lint_tidy.py BUILD_DIR     a build of its own is configured in BUILD_DIR/UnifiedSource
 """
 
+import collections
 import concurrent.futures
 import functools
 import hashlib
@@ -20,12 +21,20 @@ import shlex
 import shutil
 import subprocess
 import sys
+import typing
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Follows no calls into templates: all but a few are the libraries', and on their paths the analyser spends its budget for a function before it has
 # seen the rest of it. Without them it reaches more of the project's own code (rig_bridge/bridge: 53 of 57 functions to the end, 40 of 60 with them).
 ANALYSER = [f"--extra-arg={word}" for word in ("-Xclang", "-analyzer-config", "-Xclang", "c++-template-inlining=false")]
 INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
+
+
+class Unit(typing.NamedTuple):
+    """Sources that one file includes."""
+    file: pathlib.Path
+    flags: list
+    sources: list
 
 
 @functools.cache
@@ -39,17 +48,26 @@ def output_of(command, **more):
 
 
 def configure(build):
-    """The compile commands of the unity build, made anew; beside its files the checks of the folders that they stand for."""
+    """The units, by the compile commands of a unity build that is configured anew; beside their files the checks of the folders that they stand for."""
     output_of(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
                "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=0"])
-    entries = json.loads((build / "compile_commands.json").read_text())
-    folders = {folder for entry in entries for file in sources(entry) for folder in pathlib.Path(file).relative_to(ROOT).parents}
+    together = collections.defaultdict(list)  # a unit's file: entries
+    folders = set()
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        if sources(entry):
+            folder = pathlib.Path(sources(entry)[0]).parent.relative_to(ROOT)
+            folders |= {folder, *folder.parents}
+            together[folder / "tests.cpp" if folder.parts[0] == "tests" else object_file(entry) + ".cpp"].append(entry)
     for folder in folders:
         (build / folder).mkdir(parents=True, exist_ok=True)
         (build / folder / ".clang-tidy").unlink(missing_ok=True)
         if (ROOT / folder / ".clang-tidy").exists():
             shutil.copy(ROOT / folder / ".clang-tidy", build / folder)
-    return entries
+    return [unit(build / file, entries) for file, entries in together.items()]
+
+
+def object_file(entry):
+    return re.search(r" -o (\S+)", entry["command"])[1]
 
 
 def sources(entry):
@@ -60,13 +78,21 @@ def sources(entry):
     return [] if pathlib.Path(entry["directory"]) in file.parents else [str(file)]
 
 
-def included_files(entry):
+def unit(file, entries):
+    file.parent.mkdir(parents=True, exist_ok=True)
+    files = list(dict.fromkeys(source for entry in entries for source in sources(entry)))
+    file.write_text("".join(f'#include "{source}"\n' for source in files))
+    flags = {}  # in order, each once
+    for entry in entries:
+        command = entry["command"].replace("-isystem ", "-isystem")
+        flags |= dict.fromkeys(shlex.split(command[:command.index(" -o ")])[1:])
+    return Unit(file, list(flags), files)
+
+
+def included_files(unit):
     """The source and everything it includes, system headers too, as the compiler sees it."""
-    words = shlex.split(entry["command"])
-    target = words.index("-o")
-    rule = output_of([*words[:target], *words[target + 2:], "-M"], cwd=entry["directory"])
-    return sorted({os.path.realpath(os.path.join(entry["directory"], word))
-                   for word in rule.split(":", 1)[1].replace("\\\n", " ").split()})
+    rule = output_of(["c++", *unit.flags, "-M", unit.file])
+    return sorted({os.path.realpath(word) for word in rule.split(":", 1)[1].replace("\\\n", " ").split()})
 
 
 def compile_plugin(build):
@@ -78,20 +104,20 @@ def compile_plugin(build):
     return plugin
 
 
-def check(entry, build, evidence, tool, plugin):
+def check(unit, evidence, tool, plugin):
     """Returns (what clang-tidy complained about or None, whether it was known to be clean)."""
     try:
-        checks = output_of(["clang-tidy", "--dump-config", entry["file"], "--"])
-        parts = [tool, *ANALYSER, entry["command"], checks] + [f"{path} {digest(path)}" for path in included_files(entry)]
+        checks = output_of(["clang-tidy", "--dump-config", unit.file, "--"])
+        parts = [tool, *ANALYSER, *unit.flags, checks] + [f"{path} {digest(path)}" for path in included_files(unit)]
     except subprocess.CalledProcessError as failure:
         return failure.stderr, False
     known = evidence / hashlib.sha256("\n".join(parts).replace(str(ROOT), ".").encode()).hexdigest()
     if known.exists():
         return None, True
-    run = subprocess.run(["clang-tidy", "--quiet", "-p", build, "--load", plugin, *ANALYSER,
-                          # not: that a unity file includes sources
+    run = subprocess.run(["clang-tidy", "--quiet", "--load", plugin, *ANALYSER,
+                          # not: that a unit includes sources
                           "--checks=-bugprone-suspicious-include,antiskid-own-code",
-                          entry["file"]], capture_output=True, text=True)
+                          unit.file, "--", *unit.flags], capture_output=True, text=True)
     if run.returncode != 0:
         return run.stdout + run.stderr, False
     known.touch()
@@ -107,23 +133,23 @@ def main():
     cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
     evidence = pathlib.Path(cache) / "antiskid/clang-tidy"
     evidence.mkdir(parents=True, exist_ok=True)
-    entries = [entry for entry in configure(build) if sources(entry)]
-    if not entries:
+    units = configure(build)
+    if not units:
         sys.exit(f"{build}/compile_commands.json names no file of {ROOT}")
-    entries.sort(key=lambda entry: -len(sources(entry)))  # the longest must not come last
+    units.sort(key=lambda unit: -len(unit.sources))  # the longest must not come last
     plugin = compile_plugin(build)
     tool = output_of(["clang-tidy", "--version"]) + digest(ROOT / "tests/front_door/lint_own_code.cpp")
     complaints = known = 0
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        jobs = [pool.submit(check, entry, build, evidence, tool, plugin) for entry in entries]
+        jobs = [pool.submit(check, unit, evidence, tool, plugin) for unit in units]
         for job in concurrent.futures.as_completed(jobs):
             complaint, was_known = job.result()
             known += was_known
             if complaint is not None:
                 complaints += 1
                 print(complaint, flush=True)
-    files = sum(len(sources(entry)) for entry in entries)
-    print(f"{files} files in {len(entries)} targets: {known} unchanged since they were clean, {complaints} with complaints")
+    files = sum(len(unit.sources) for unit in units)
+    print(f"{files} files in {len(units)} units: {known} unchanged since they were clean, {complaints} with complaints")
     return 1 if complaints else 0
 
 

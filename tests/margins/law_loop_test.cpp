@@ -5,22 +5,16 @@
 #include <cmath>
 #include <numbers>
 
-#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/margins/limits.hpp"
 #include "plant_sim/study/margins/margins.hpp"
 #include "tests/catch.hpp"
 #include "tests/margins/frequency_response.hpp"
+#include "tests/margins/scenario.hpp"
 
 using namespace study::margins;
+using margins_test::scenario;
 
 namespace {
-
-plant_sim::StopInputs scenario(const std::string& surface, const std::string& maneuver = "light") {
-    plant_sim::StopOptions o;
-    o.choice.surface = surface;
-    o.choice.maneuver = maneuver;
-    return plant_sim::load_scenario(o);
-}
 
 /// The speed at which edges of the wheel's encoder are `periods` apart, at the slip in force.
 double speed_at(const plant_sim::StopInputs& s, double periods) {

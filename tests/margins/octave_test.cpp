@@ -11,13 +11,14 @@
 #include <stdexcept>
 #include <string>
 
-#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/margins.hpp"
 #include "plant_sim/study/margins/pid_loop.hpp"
 #include "tests/catch.hpp"
+#include "tests/margins/scenario.hpp"
 
 using namespace study::margins;
+using margins_test::scenario;
 
 namespace {
 
@@ -50,13 +51,6 @@ std::map<std::string, double> octave(const std::string& script) {
 void print(std::ostringstream& out, const Eigen::MatrixXd& m) {
     const Eigen::IOFormat format(17, Eigen::DontAlignCols, ", ", ";\n", "", "", "[", "]");
     out << m.format(format);
-}
-
-plant_sim::StopInputs scenario(const std::string& surface) {
-    plant_sim::StopOptions o;
-    o.choice.surface = surface;
-    o.choice.maneuver = "light";
-    return plant_sim::load_scenario(o);
 }
 
 double ratio(double dB) {

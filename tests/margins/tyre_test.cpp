@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "plant_sim/model/compliant_wheel.hpp"
-#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/margins/dense.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/linear_wheel.hpp"
@@ -14,21 +13,15 @@
 #include "plant_sim/study/margins/pid_loop.hpp"
 #include "tests/catch.hpp"
 #include "tests/margins/frequency_response.hpp"
+#include "tests/margins/scenario.hpp"
 
 using namespace study::margins;
+using margins_test::scenario;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Nothing slows it down: speed stays what it is.
 constexpr double kNoAircraft_kg = 1e12;
-
-plant_sim::StopInputs on(const std::string& surface) {
-    plant_sim::StopOptions o;
-    o.choice.surface = surface;
-    o.choice.maneuver = "medium_a";
-    return plant_sim::load_scenario(o);
-}
 
 /// q of linear_wheel.hpp by 1 Pa.
 double per_pressure(const OperatingPoint& at) {
@@ -76,7 +69,7 @@ const std::vector<Case> kBeyondPeak{
     {"relaxation at its floor", "dry_concrete", 30.0, 0.30, {.ring = {}, .relaxation = {0.3, 0.05}, .leg = {}}}};
 
 rig::RigParameters rig_of(const Case& c, double mass_kg) {
-    rig::RigParameters rig = on(c.surface).plant.rig;
+    rig::RigParameters rig = scenario(c.surface, "medium_a").plant.rig;
     rig.wheel.compliance = c.tyre;
     rig.wheel.mass_kg = mass_kg;
     return rig;
@@ -95,7 +88,7 @@ TEST_CASE("rim's slip against brake torque: the frequency response of the plant'
         const LinearWheel wheel = linear_wheel(at, Linearisation::full);
         for (const double frequency_Hz : {5.0, 25.0, 50.0, 90.0, 150.0}) {
             constexpr int kSteps = 400;  // a turn
-            const double h = 1.0 / (frequency_Hz * kSteps), w = 2.0 * kPi * frequency_Hz;
+            const double h = 1.0 / (frequency_Hz * kSteps), w = 2.0 * std::numbers::pi * frequency_Hz;
             const double amplitude_Pa = 1e-4 * at.pressure_Pa;
             RealWheel real(rig, at);
             real.settle(4.0 * std::abs(at.wheel_pole_radps(Linearisation::full)));
@@ -160,7 +153,7 @@ TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the l
 }
 
 TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-123]") {
-    const plant_sim::StopInputs s = on("dry_asphalt");
+    const plant_sim::StopInputs s = scenario("dry_asphalt", "medium_a");
     const Pid pid = load_margins_settings("config/margins.toml").pid;
     for (const rig::Compliance& tyre : kNearlyRigid) {
         rig::RigParameters rig = s.plant.rig;
@@ -198,7 +191,7 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
     };
     for (const Ring& r : {Ring{"dry_asphalt", 46.0, 0.12, {0.25, 120.0, 0.10}}, Ring{"dry_asphalt", 46.0, 0.12, {0.35, 80.0, 0.06}},
                           Ring{"dry_asphalt", 46.0, 0.12, {0.45, 50.0, 0.10}}}) {
-        const plant_sim::StopInputs s = on(r.surface);
+        const plant_sim::StopInputs s = scenario(r.surface, "medium_a");
         rig::RigParameters rig = s.plant.rig;
         rig.wheel.compliance.ring = r.ring;
         rig.wheel.mass_kg = kNoAircraft_kg;
@@ -212,7 +205,7 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
         margins_test::FrozenStop stop(config, rig, at);
         REQUIRE(std::abs(stop.slip() - at.slip) < 1e-3);
         for (const double w : {15.0, 40.0, 100.0, 200.0, 300.0}) {
-            if (w > 2.0 / 3.0 * 2.0 * kPi * r.ring.frequency_Hz) continue;
+            if (w > 2.0 / 3.0 * 2.0 * std::numbers::pi * r.ring.frequency_Hz) continue;
             double frequency = w;
             const Complex measured = stop.loop(frequency, 2e4, 1.0);
             const Complex computed = loop.response(frequency);

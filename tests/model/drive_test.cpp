@@ -45,7 +45,7 @@ std::vector<std::vector<double>> table(const std::string& csv) {
     return rows;
 }
 
-enum Column { kTime, kSpeed, kOmega, kSlip, kPressure, kTorque, kF_x, kF_z, kRadius, kMu, kBrake, kTyre };
+enum Column { kTime, kSpeed, kOmega, kSlip, kPressure, kTorque, kF_x, kF_z, kRadius, kMu, kBrake_J, kTyre_J };
 
 }  // namespace
 
@@ -154,7 +154,7 @@ TEST_CASE("drive: the columns obey the equations row by row", "[RIG-001]") {
         REQUIRE(r[kMu] == Approx(rig::friction(rig.surface, r[kSlip]).mu).margin(1e-7));
     }
     const double start_J = 0.5 * rig.wheel.mass_kg * std::pow(rows[0][kSpeed], 2) + 0.5 * rig.wheel.inertia_kgm2 * std::pow(rows[0][kOmega], 2);
-    CHECK(rows.back()[kBrake] + rows.back()[kTyre] == Approx(start_J).epsilon(2e-6));
+    CHECK(rows.back()[kBrake_J] + rows.back()[kTyre_J] == Approx(start_J).epsilon(2e-6));
 }
 
 TEST_CASE("drive: driven by current it is the valve in front of the same plant", "[RIG-001]") {

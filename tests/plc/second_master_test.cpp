@@ -40,7 +40,7 @@ class ClientPlc final : public rig::bridge::Plc {
 };
 
 /// A light landing, 49 m/s, from rest.
-struct Bench {
+struct BridgeAtPlc {
     rig::Scenario scenario = rig::load_scenario("config/scenarios/light.toml");
     rig::RegisterMap map = patient_map();
     antiskid::can::Layout layout = bridge_test::layout();
@@ -80,7 +80,7 @@ struct Bench {
 
 class SecondMaster {
   public:
-    explicit SecondMaster(const Bench& bench) : map_(bench.map), context_(modbus_new_tcp("127.0.0.1", bench.server.port())) {
+    explicit SecondMaster(const BridgeAtPlc& bench) : map_(bench.map), context_(modbus_new_tcp("127.0.0.1", bench.server.port())) {
         modbus_set_slave(context_.get(), map_.unit_id);
         REQUIRE(modbus_connect(context_.get()) == 0);
     }
@@ -105,7 +105,7 @@ class SecondMaster {
 }  // namespace
 
 TEST_CASE("A second master that commands 75 m/s in the spin-up of a 49 m/s landing ends it, and commands nothing", "[BRG-136]") {
-    Bench b;
+    BridgeAtPlc b;
     SecondMaster other(b);
     REQUIRE(b.until([&] { return b.served.plc().commands().drive && b.fastest_mps > 1.0; }));
     REQUIRE(b.sequencer.phase() == Phase::spin_up);
@@ -124,7 +124,7 @@ TEST_CASE("A second master that commands 75 m/s in the spin-up of a 49 m/s landi
 }
 
 TEST_CASE("An encoder with a wrong number of teeth ends the spin-up before the speed is wrong by much", "[BRG-136]") {
-    Bench b;
+    BridgeAtPlc b;
     b.encoder_scale = 0.75;
     REQUIRE(b.until([&] { return b.sequencer.over(); }));
     CHECK(b.sequencer.abort() == Abort::speed_mismatch);

@@ -18,20 +18,15 @@
 #include "rig_bridge/record/summary_file.hpp"
 #include "tests/catch.hpp"
 #include "tests/record/closed_form.hpp"
+#include "tests/record/lines.hpp"
 
 using namespace record_test;
 using can_test::TempDir;
+using record_test::lines;
 using rig::record::BusLog;
 using rig::record::CapturedFrame;
 
 namespace {
-
-std::vector<std::string> lines(const std::filesystem::path& path) {
-    std::vector<std::string> all;
-    std::ifstream in(path);
-    for (std::string line; std::getline(in, line);) all.push_back(line);
-    return all;
-}
 
 CapturedFrame captured(std::uint32_t id, std::uint8_t length, std::int64_t us) {
     CapturedFrame out;

@@ -9,20 +9,15 @@
 #include "rig_bridge/record/stamp_label.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
+#include "tests/record/lines.hpp"
 
 using namespace std::chrono_literals;
 using antiskid::can::Time;
 using can_test::TempDir;
+using record_test::lines;
 using rig::record::LiveFile;
 
 namespace {
-
-std::vector<std::string> lines(const std::filesystem::path& path) {
-    std::vector<std::string> all;
-    std::ifstream in(path);
-    for (std::string line; std::getline(in, line);) all.push_back(line);
-    return all;
-}
 
 template <typename Truth>
 bool eventually(Truth truth) {

@@ -19,8 +19,6 @@ using regulation::Stop;
 
 namespace {
 
-constexpr wear::Range kRange{0.18, 0.38};
-
 /// The shipped model, scaled so that its campaign of 488 MJ is this life.
 wear::BrakeWear brake(double life_J) {
     static const auto kModel = std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json"));
@@ -51,7 +49,7 @@ std::vector<Stop> landed_all(std::span<const regulation::LandingRequest> request
 
 std::vector<regulation::PolicyLives> fleet(const wear::WearPlan& plan, regulation::FleetOptions options) {
     options.scenarios = toy::Landings::kEnergy_J.size();
-    return regulation::run_fleet(plan, {}, kRange,
+    return regulation::run_fleet(plan, {}, toy::kRange,
                                  {{.name = "regulated"}, {.name = "fixed 0.24", .fixed = 0.24}, {.name = "fixed 0.30", .fixed = 0.30}},
                                  brake(plan.brake_life_J), options, landed_all);
 }
@@ -211,7 +209,7 @@ TEST_CASE("a share that is out of reach is no feasible life, and the limit that 
 
 TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-167]") {
     const wear::WearPlan plan = toy::plan(20, 0.3);
-    regulation::LivingPair pair(plan, {}, kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
+    regulation::LivingPair pair(plan, {}, toy::kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
                                 {.policy = {}, .brake = brake(plan.brake_life_J), .tyre_life_J = plan.tyre_life_J, .rule = {}, .worst_stops = true});
     for (int landing = 0; !pair.over(); ++landing) {
         std::vector<Stop> stops = landed_all(pair.requests());
@@ -300,7 +298,7 @@ TEST_CASE("the same seed gives the same lives, and they end when told to", "[STU
 TEST_CASE("what goes wrong in a landing comes out", "[STUDY-167]") {
     const regulation::FleetOptions options{.lives = 2, .scenarios = 4};
     const auto broken = [](std::span<const regulation::LandingRequest>) -> std::vector<Stop> { throw std::runtime_error("the aircraft is gone"); };
-    CHECK_THROWS_WITH(regulation::run_fleet(toy::plan(64, 0.3), {}, kRange, {{.name = "regulated"}}, brake(1e9), options, broken),
+    CHECK_THROWS_WITH(regulation::run_fleet(toy::plan(64, 0.3), {}, toy::kRange, {{.name = "regulated"}}, brake(1e9), options, broken),
                       ContainsSubstring("gone"));
 }
 
@@ -309,6 +307,6 @@ TEST_CASE("the best fixed reference is the one whose share fits the budgets", "[
     const wear::SurfaceTable table{.reference = {0.1, 0.2, 0.3, 0.4},
                                    .rows = {{"a", {}, {0.10, 0.19, 0.285, 0.38}, {}}, {"b", {}, {0.12, 0.21, 0.285, 0.38}, {}}}};
     // 0.285 - 0.25 = 0.035 of 0.085 a tenth below 0.30: 0.2588, so 0.26.
-    CHECK(regulation::best_fixed(toy::plan(100, 0.25), table, kRange) == Approx(0.26));
-    CHECK(regulation::best_fixed(toy::plan(100, 0.60), table, kRange) == Approx(0.38));
+    CHECK(regulation::best_fixed(toy::plan(100, 0.25), table, toy::kRange) == Approx(0.26));
+    CHECK(regulation::best_fixed(toy::plan(100, 0.60), table, toy::kRange) == Approx(0.38));
 }

@@ -19,7 +19,7 @@ using wear::RegulationConfig;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotRecorded = std::numeric_limits<double>::quiet_NaN();
 
 RegulationConfig shipped() {
     return wear::load_regulation_config("config/regulation.toml");
@@ -72,8 +72,8 @@ TEST_CASE("the references follow from the rows alone, each as what it is", "[BRG
     CHECK(finished.reference() > 0.26);  // more to the tyre: 0.281 is wanted
 
     // What is running or was left unfinished has not been.
-    rows.push_back(row(RowState::unfinished, 0.3, 0.3, kNaN));
-    rows.push_back(row(RowState::running, 0.3, 0.3, kNaN));
+    rows.push_back(row(RowState::unfinished, 0.3, 0.3, kNotRecorded));
+    rows.push_back(row(RowState::running, 0.3, 0.3, kNotRecorded));
     CHECK(shares.after(rows).landings() == 12);
     CHECK(shares.after(rows).reference() == finished.reference());
     // An aborted one has spent energy, but is no landing.
@@ -87,7 +87,7 @@ TEST_CASE("the references follow from the rows alone, each as what it is", "[BRG
     lossy.summary.frames_dropped = 3;
     rows.push_back(lossy);
     CHECK(shares.after(rows).missed() == 1);
-    rows.push_back(row(RowState::finished, 0.3, kNaN, kNaN));
+    rows.push_back(row(RowState::finished, 0.3, kNotRecorded, kNotRecorded));
     CHECK(shares.after(rows).missed() == 2);
     CHECK(shares.after(rows).last_reading() == wear::Reading::missing);
     // After those the ledger's sum is too small, and nobody takes it for a counter that went back.
@@ -142,7 +142,7 @@ TEST_CASE("the brake's life is what its friction foretells; without friction it 
     };
     const auto as_it_is = shares.after(campaign_of([](double friction) { return friction; }));
     CHECK(as_it_is.plan().brake_life_J == Approx(life_J).epsilon(0.005));
-    const auto none = shares.after(campaign_of([](double) { return kNaN; }));
+    const auto none = shares.after(campaign_of([](double) { return kNotRecorded; }));
     CHECK(none.plan().brake_life_J == shares.plan().brake_life_J);
     CHECK(none.missed() == 0);  // the energies are measured all the same
     RegulationConfig without = shipped();

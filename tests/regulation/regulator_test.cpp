@@ -19,8 +19,7 @@ using wear::WearPlan;
 
 namespace {
 
-constexpr Range kRange{0.18, 0.38};
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 /// How far apart the two lives are used up when one of them ends, as shares of a life.
 double apart(const Regulator& r) {
@@ -28,7 +27,7 @@ double apart(const Regulator& r) {
 }
 
 Regulator lived(const WearPlan& plan, const toy::Plant& plant, unsigned seed, const Rules& rules = {}) {
-    Regulator regulator(plan, rules, kRange);
+    Regulator regulator(plan, rules, toy::kRange);
     toy::Landings landings(plant, seed);
     while (regulator.brake_left_J() > 0.0 && regulator.tyre_left_J() > 0.0) regulator.after(landings.next(regulator.reference()));
     return regulator;
@@ -40,7 +39,7 @@ TEST_CASE("brake and tyre reach their limits together, whatever landings come an
     for (const double share : {0.22, 0.28, 0.33}) {
         for (const double slope : {0.8, 0.95, 1.1}) {
             const toy::Plant plant{.offset = 0.01, .slope = slope, .noise = 0.03};
-            if (share > plant.offset + plant.slope * kRange.highest - 0.01) continue;
+            if (share > plant.offset + plant.slope * toy::kRange.highest - 0.01) continue;
             for (unsigned seed = 1; seed <= 20; ++seed) {
                 const Regulator end = lived(toy::plan(250, share), plant, seed);
                 CAPTURE(share, slope, seed, end.landings());
@@ -73,7 +72,7 @@ TEST_CASE("the error in the remaining ratio obeys D' = (1 - W/R) D - e W, and so
 }
 
 TEST_CASE("it learns the share that a reference gives", "[STUDY-167]") {
-    Regulator r(toy::plan(400, 0.27), {}, kRange);
+    Regulator r(toy::plan(400, 0.27), {}, toy::kRange);
     toy::Landings landings({.offset = 0.0, .slope = 0.85, .noise = 0.02}, 9);
     for (int i = 0; i < 200; ++i) r.after(landings.next(r.reference()));
     CHECK(r.share_per_slip() == Approx(0.85).epsilon(0.03));
@@ -83,20 +82,20 @@ TEST_CASE("it learns the share that a reference gives", "[STUDY-167]") {
 
 TEST_CASE("where the share is out of reach the reference stays at its bound", "[STUDY-167]") {
     const Regulator high = lived(toy::plan(250, 0.45), {.noise = 0.0}, 4);
-    CHECK(high.reference() == kRange.highest);
+    CHECK(high.reference() == toy::kRange.highest);
     CHECK(high.brake_left_J() == 0.0);
     CHECK(high.tyre_left_J() > 0.1 * high.plan().tyre_life_J);
     const Regulator low = lived(toy::plan(250, 0.12), {.noise = 0.0}, 4);
-    CHECK(low.reference() == kRange.lowest);
+    CHECK(low.reference() == toy::kRange.lowest);
     CHECK(low.tyre_left_J() == 0.0);
 }
 
 TEST_CASE("a brake life that is revised on the way is met all the same", "[STUDY-167]") {
     const WearPlan plan = toy::plan(250, 0.30);
-    Regulator r(plan, {}, kRange);
+    Regulator r(plan, {}, toy::kRange);
     toy::Landings landings({}, 21);
     for (int i = 0; i < 100; ++i) r.after(landings.next(r.reference()));
-    CHECK_FALSE(r.revise_brake_life(kNaN));
+    CHECK_FALSE(r.revise_brake_life(kNotANumber));
     CHECK_FALSE(r.revise_brake_life(-1.0));
     CHECK(r.plan().brake_life_J == plan.brake_life_J);
     CHECK(r.revise_brake_life(0.93 * plan.brake_life_J));
@@ -107,10 +106,10 @@ TEST_CASE("a brake life that is revised on the way is met all the same", "[STUDY
 
 TEST_CASE("whatever is measured, the reference stays in its range and moves by one step at most", "[STUDY-167]") {
     std::mt19937 generator(17);
-    const std::vector<double> odd{kNaN, std::numeric_limits<double>::infinity(), -1.0, 0.0, 1e300, 5e6, 1e6, 0.3};
+    const std::vector<double> odd{kNotANumber, std::numeric_limits<double>::infinity(), -1.0, 0.0, 1e300, 5e6, 1e6, 0.3};
     const Rules rules{.step = 0.013};
     for (int repeat = 0; repeat < 50; ++repeat) {
-        Regulator r(toy::plan(100, 0.3), rules, kRange);
+        Regulator r(toy::plan(100, 0.3), rules, toy::kRange);
         toy::Landings landings({.noise = 0.1}, static_cast<unsigned>(repeat));
         for (int i = 0; i < 150; ++i) {
             const double before = r.reference();
@@ -134,7 +133,7 @@ TEST_CASE("whatever is measured, the reference stays in its range and moves by o
 }
 
 TEST_CASE("measurements that cannot be are named, hold the reference, and are no news", "[STUDY-167]") {
-    Regulator r(toy::plan(250, 0.3), {.max_unmeasured_landings = 3}, kRange);
+    Regulator r(toy::plan(250, 0.3), {.max_unmeasured_landings = 3}, toy::kRange);
     toy::Landings landings({.noise = 0.0}, 2);
     for (int i = 0; i < 20; ++i) {
         Landing l = landings.next(r.reference());
@@ -148,10 +147,10 @@ TEST_CASE("measurements that cannot be are named, hold the reference, and are no
         return l;
     };
     const std::vector<std::pair<Landing, Reading>> cases{
-        {changed(&Landing::tyre_J, kNaN), Reading::missing},
+        {changed(&Landing::tyre_J, kNotANumber), Reading::missing},
         {changed(&Landing::brake_J, std::numeric_limits<double>::infinity()), Reading::missing},
         {changed(&Landing::kinetic_J, 0.0), Reading::missing},
-        {changed(&Landing::reference, kNaN), Reading::missing},
+        {changed(&Landing::reference, kNotANumber), Reading::missing},
         {changed(&Landing::tyre_J, -1.0), Reading::negative},
         {changed(&Landing::tyre_J, 1.2 * good.kinetic_J), Reading::beyond_kinetic},
         {changed(&Landing::brake_J, 0.5 * good.brake_J), Reading::energy_mismatch},
@@ -173,7 +172,7 @@ TEST_CASE("measurements that cannot be are named, hold the reference, and are no
 
 TEST_CASE("without measurements it goes back to the default, step by step, and takes up again when they come", "[STUDY-167]") {
     const Rules rules{.step = 0.01, .max_unmeasured_landings = 4};
-    Regulator r(toy::plan(250, 0.33), rules, kRange);
+    Regulator r(toy::plan(250, 0.33), rules, toy::kRange);
     toy::Landings landings({}, 6);
     for (int i = 0; i < 60; ++i) r.after(landings.next(r.reference()));
     const double held = r.reference();
@@ -193,7 +192,7 @@ TEST_CASE("without measurements it goes back to the default, step by step, and t
 
 TEST_CASE("one landing in ten lost: the limits are still reached together, the wear counter tells what they took", "[STUDY-167]") {
     for (unsigned seed = 1; seed <= 20; ++seed) {
-        Regulator r(toy::plan(250, 0.29), {}, kRange);
+        Regulator r(toy::plan(250, 0.29), {}, toy::kRange);
         toy::Landings landings({}, seed);
         std::mt19937 lost(seed);
         double brake_J = 0.0;
@@ -212,21 +211,21 @@ TEST_CASE("one landing in ten lost: the limits are still reached together, the w
 }
 
 TEST_CASE("a measured J_mu below the floor moves the bound towards the default, never past it", "[STUDY-167]") {
-    Regulator r(toy::plan(250, 0.45), {.step = 0.02, .j_mu_floor = 0.85}, kRange);
+    Regulator r(toy::plan(250, 0.45), {.step = 0.02, .j_mu_floor = 0.85}, toy::kRange);
     toy::Landings landings({.noise = 0.0}, 8);
     for (int i = 0; i < 30; ++i) r.after(landings.next(r.reference()));
-    REQUIRE(r.reference() == kRange.highest);
+    REQUIRE(r.reference() == toy::kRange.highest);
     Landing bad = landings.next(r.reference());
     bad.j_mu = 0.80;
     r.after(bad);
-    CHECK(r.range() == Range{kRange.lowest, kRange.highest - 0.02});
-    CHECK(r.reference() == kRange.highest - 0.02);
+    CHECK(r.range() == Range{toy::kRange.lowest, toy::kRange.highest - 0.02});
+    CHECK(r.reference() == toy::kRange.highest - 0.02);
     for (int i = 0; i < 50; ++i) {
         bad = landings.next(r.reference());
         bad.j_mu = 0.5;
         r.after(bad);
     }
-    CHECK(r.range() == Range{kRange.lowest, 0.24});
+    CHECK(r.range() == Range{toy::kRange.lowest, 0.24});
     // Another surface may be worse than those seen so far.
     r.narrow({0.2, 0.5});
     CHECK(r.range() == Range{0.2, 0.24});
@@ -235,15 +234,15 @@ TEST_CASE("a measured J_mu below the floor moves the bound towards the default, 
 
 TEST_CASE("the same landings give the same references: it is rebuilt from what was measured", "[STUDY-167]") {
     const WearPlan plan = toy::plan(120, 0.28);
-    Regulator r(plan, {}, kRange);
+    Regulator r(plan, {}, toy::kRange);
     toy::Landings landings({}, 12);
     std::vector<Landing> seen;
     for (int i = 0; i < 100; ++i) {
         Landing l = landings.next(r.reference());
-        if (i % 11 == 5) l.tyre_J = kNaN;
+        if (i % 11 == 5) l.tyre_J = kNotANumber;
         seen.push_back(l);
         r.after(l);
-        Regulator again(plan, {}, kRange);
+        Regulator again(plan, {}, toy::kRange);
         for (const Landing& old : seen) again.after(old);
         REQUIRE(again.reference() == r.reference());
         REQUIRE(again.required_share() == r.required_share());
@@ -253,13 +252,13 @@ TEST_CASE("the same landings give the same references: it is rebuilt from what w
 TEST_CASE("plans and rules that cannot be are refused", "[STUDY-167]") {
     const WearPlan good = toy::plan(100, 0.3);
     const auto rejects = [](const WearPlan& plan, const Rules& rules, const char* what) {
-        CHECK_THROWS_WITH(Regulator(plan, rules, kRange), ContainsSubstring(what));
+        CHECK_THROWS_WITH(Regulator(plan, rules, toy::kRange), ContainsSubstring(what));
     };
     WearPlan plan = good;
     plan.landings = 0;
     rejects(plan, {}, "landings");
     plan = good;
-    plan.tyre_life_J = kNaN;
+    plan.tyre_life_J = kNotANumber;
     rejects(plan, {}, "life");
     plan = good;
     plan.brake_taken_J = plan.brake_life_J;

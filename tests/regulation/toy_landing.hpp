@@ -10,6 +10,8 @@
 
 namespace toy {
 
+inline constexpr wear::Range kRange{0.18, 0.38};
+
 struct Plant {
     double offset = 0.02;  ///< tyre share = offset + slope * reference + noise
     double slope = 0.9;

@@ -6,6 +6,7 @@ usage: verb.py RIG_LAB
 import csv
 import json
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,15 @@ def check(what, good, detail=""):
     print(("ok      " if good else "FAILED  ") + what, detail if not good else "")
     if not good:
         sys.exit(1)
+
+
+def status_after(number, *arguments):
+    """Of a run that gets a signal as soon as it says how far it is."""
+    child = subprocess.Popen([LAB, "regulate", *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    child.stderr.readline()
+    child.send_signal(number)
+    child.communicate(timeout=100)
+    return child.returncode
 
 
 with tempfile.TemporaryDirectory() as scratch:
@@ -60,6 +70,10 @@ with tempfile.TemporaryDirectory() as scratch:
     check("where it does not pay, that is said by policy", 'DOES NOT PAY' in free and "one reference for all" in free, free)
     by_table = json.loads((scratch / "free/results.json").read_text())
     check("no policy is below the bound", all(p["cost_above_bound"] > -0.01 for p in by_table["policies"]), by_table["policies"])
+
+    check("Ctrl-C ends with 130", status_after(signal.SIGINT, "--no-floor-check", "--out", scratch / "stopped") == 130)
+    check("another signal with 1", status_after(signal.SIGTERM, "--characterise", scratch / "floor_new.toml") == 1)
+    check("and without a file", not (scratch / "floor_new.toml").exists())
 
     status, _, error = run("--missing", 2)
     check("a share above 1 is refused", status == 2 and "--missing" in error, error)

@@ -14,24 +14,24 @@ using simulation_test::Mistake;
 
 namespace {
 
-struct Bug {
+struct DiskBug {
     std::string name;
     DiskCampaignSetup setup;
 };
 
-Bug of_storage(const char* name, Mistake mistake) {
-    Bug bug{.name = name, .setup = {}};
+DiskBug of_storage(const char* name, Mistake mistake) {
+    DiskBug bug{.name = name, .setup = {}};
     bug.setup.storage = [mistake](auto disk) { return std::make_shared<Careless>(std::move(disk), mistake); };
     return bug;
 }
 
-std::vector<Bug> bugs() {
-    std::vector<Bug> all{of_storage("sync of a file left out", Mistake::file_not_synced),
-                         of_storage("sync of a directory left out", Mistake::directory_not_synced),
-                         of_storage("renamed before it is synced", Mistake::renamed_before_sync),
-                         of_storage("short write taken as whole", Mistake::short_write_is_whole),
-                         of_storage("refused write taken as written", Mistake::refused_write_is_written),
-                         of_storage("refused sync taken as synced", Mistake::refused_sync_is_synced)};
+std::vector<DiskBug> disk_bugs() {
+    std::vector<DiskBug> all{of_storage("sync of a file left out", Mistake::file_not_synced),
+                             of_storage("sync of a directory left out", Mistake::directory_not_synced),
+                             of_storage("renamed before it is synced", Mistake::renamed_before_sync),
+                             of_storage("short write taken as whole", Mistake::short_write_is_whole),
+                             of_storage("refused write taken as written", Mistake::refused_write_is_written),
+                             of_storage("refused sync taken as synced", Mistake::refused_sync_is_synced)};
     all.push_back({.name = "ledger with synchronous = OFF", .setup = {}});
     all.back().setup.durable = false;
     all.push_back({.name = "ledger with synchronous = FULL", .setup = {}});
@@ -61,7 +61,7 @@ std::optional<std::uint64_t> found(const DiskCampaignSetup& setup) {
 }  // namespace
 
 TEST_CASE("each mistake with the disk is found by the invariants of a campaign", "[BRG-700]") {
-    for (const Bug& bug : bugs()) {
+    for (const DiskBug& bug : disk_bugs()) {
         INFO(bug.name);
         const auto seed = found(bug.setup);
         fmt::print("{:60} {}\n", bug.name, seed ? fmt::format("seed {}", *seed) : "not found");

@@ -39,7 +39,7 @@ void take_sqlite_in() {
     REQUIRE(sqlite3_config(SQLITE_CONFIG_MALLOC, &counted) == SQLITE_OK);
 }
 
-const CellSetup& sound() {
+const CellSetup& sound_cell_with_counted_memory() {
     static const CellSetup setup = [] {
         take_sqlite_in();
         CellSetup made = plant_sim::simulation::load_cell_setup("config");
@@ -105,19 +105,19 @@ void operator delete(void* pointer, std::size_t /*size*/) noexcept {
 }
 
 TEST_CASE("whichever allocation fails beside the main loop, nothing is lost or half-written and the campaign ends", "[BRG-703]") {
-    const Found found = fail_each(sound(), 1, [](std::uint64_t n) { return n + 1 + n / 4; });
+    const Found found = fail_each(sound_cell_with_counted_memory(), 1, [](std::uint64_t n) { return n + 1 + n / 4; });
     fmt::print("{} campaigns, {} with a bridge that ended\n", found.campaigns, found.ended);
     CHECK(found.campaigns > 25);
     CHECK(found.ended > found.campaigns / 2);
 }
 
 TEST_CASE("every single allocation", "[.]") {
-    const Found found = fail_each(sound(), 1, [](std::uint64_t n) { return n + 1; });
+    const Found found = fail_each(sound_cell_with_counted_memory(), 1, [](std::uint64_t n) { return n + 1; });
     fmt::print("{} campaigns, {} with a bridge that ended\n", found.campaigns, found.ended);
 }
 
 TEST_CASE("a bridge that overlooks that there is no memory is found", "[BRG-703]") {
-    CellSetup setup = sound();
+    CellSetup setup = sound_cell_with_counted_memory();
     REQUIRE(campaign(setup, 0).violations.empty());
     const std::uint64_t all = allocations;
     setup.mistake = BridgeMistake::ignores_no_memory;

@@ -25,8 +25,9 @@ inline void shell(const std::string& command) {
 /// A virtual interface of its own, up, gone at the end.
 class Interface {
   public:
-    explicit Interface(std::string interface) : name_(std::move(interface)) {
-        shell("ip link add dev " + name_ + " type vcan && ip link set " + name_ + " up");
+    /// `before`: a shell command that runs before it is up.
+    explicit Interface(std::string interface, const std::string& before = "true") : name_(std::move(interface)) {
+        shell("ip link add dev " + name_ + " type vcan && " + before + " && ip link set " + name_ + " up");
     }
     Interface(const Interface&) = delete;
     Interface& operator=(const Interface&) = delete;

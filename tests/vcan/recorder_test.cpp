@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,34 +13,22 @@
 #include "rig_bridge/record/ledger.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
+#include "tests/record/lines.hpp"
+#include "tests/vcan/real_bus.hpp"
 
 using namespace antiskid::can;
 using can_test::TempDir;
+using real_bus::Interface;
+using real_bus::kPatience;
+using real_bus::shell;
+using record_test::lines;
 using rig::record::BusLog;
 using rig::record::Capture;
 using rig::record::CapturedFrame;
 
 namespace {
 
-constexpr Time kPatience{5'000'000'000};
 constexpr Time kQuiet{500'000'000};
-
-void shell(const std::string& command) {
-    if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
-}
-
-class Interface {
-  public:
-    explicit Interface(std::string interface, const std::string& then = "true") : name_(std::move(interface)) {
-        shell("ip link add dev " + name_ + " type vcan && " + then + " && ip link set " + name_ + " up");
-    }
-    Interface(const Interface&) = delete;
-    Interface& operator=(const Interface&) = delete;
-    ~Interface() { static_cast<void>(std::system(("ip link del " + name_ + " 2>/dev/null").c_str())); }
-
-  private:
-    std::string name_;
-};
 
 /// A file system with so many bytes, gone at the end.
 class SmallDisk {
@@ -59,13 +46,6 @@ class SmallDisk {
     TempDir dir_;
     std::filesystem::path path_;
 };
-
-std::vector<std::string> lines(const std::filesystem::path& path) {
-    std::vector<std::string> all;
-    std::ifstream in(path);
-    for (std::string line; std::getline(in, line);) all.push_back(line);
-    return all;
-}
 
 /// Until the bus has been quiet for a while.
 std::uint64_t record(Capture& capture, BusLog& log) {

@@ -10,7 +10,7 @@ namespace {
 
 const wear::BrakeState kState{0xFFFF'FFFF'FFFF'FFFFU, 137, 133.123456789012345e6 / 3.0};
 
-std::string rejection(const std::string& json, const wear::BrakeWear& wear = shipped_wear()) {
+std::string rejection_of_brake(const std::string& json, const wear::BrakeWear& wear = shipped_wear()) {
     return rejection_of([&] { return wear::brake_state_from_json("brake.json", json, wear); }).what();
 }
 
@@ -44,20 +44,20 @@ TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-011]")
 
 TEST_CASE("a kept brake says what is wrong with it", "[WEAR-011]") {
     const std::string json = wear::to_json(kState, shipped_wear());
-    CHECK_THAT(rejection(""), ContainsSubstring("brake.json: no JSON"));
-    CHECK_THAT(rejection("1e999"), ContainsSubstring("brake.json: no JSON") && ContainsSubstring("1e999"));
-    CHECK_THAT(rejection("[]"), ContainsSubstring("must be an object"));
-    CHECK_THAT(rejection(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
+    CHECK_THAT(rejection_of_brake(""), ContainsSubstring("brake.json: no JSON"));
+    CHECK_THAT(rejection_of_brake("1e999"), ContainsSubstring("brake.json: no JSON") && ContainsSubstring("1e999"));
+    CHECK_THAT(rejection_of_brake("[]"), ContainsSubstring("must be an object"));
+    CHECK_THAT(rejection_of_brake(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
                ContainsSubstring("format_version: 2 is not the version"));
-    CHECK_THAT(rejection(replaced(json, "brake state", "wear model")), ContainsSubstring("format: must be"));
-    CHECK_THAT(rejection(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")), ContainsSubstring("check_sum: does not fit"));
-    CHECK_THAT(rejection(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")), ContainsSubstring("maneuvers: must be an integer"));
-    CHECK_THAT(rejection(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
-    CHECK_THAT(rejection(json, shipped_wear({.energy = 8.0})),
+    CHECK_THAT(rejection_of_brake(replaced(json, "brake state", "wear model")), ContainsSubstring("format: must be"));
+    CHECK_THAT(rejection_of_brake(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")), ContainsSubstring("check_sum: does not fit"));
+    CHECK_THAT(rejection_of_brake(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")), ContainsSubstring("maneuvers: must be an integer"));
+    CHECK_THAT(rejection_of_brake(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
+    CHECK_THAT(rejection_of_brake(json, shipped_wear({.energy = 8.0})),
                ContainsSubstring("wear_hash: this brake was kept with another wear model, law or scale"));
     wear::BrakeWear other = shipped_wear();
     wear::Model model = *other.model;
     model.data.maneuvers = 499;
     other.model = std::make_shared<const wear::Model>(model);
-    CHECK_THAT(rejection(json, other), ContainsSubstring("another wear model, law or scale"));
+    CHECK_THAT(rejection_of_brake(json, other), ContainsSubstring("another wear model, law or scale"));
 }

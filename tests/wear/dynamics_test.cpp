@@ -63,7 +63,7 @@ double mean_of(const Curve& c) {
     return c[0] + c[1] / 2.0 + c[2] / 3.0 + c[3] / 4.0;
 }
 
-std::string rejection(const std::vector<wear::RecordedStop>& stops) {
+std::string rejection_of_stops(const std::vector<wear::RecordedStop>& stops) {
     try {
         (void)wear::learn_dynamics(stops, {});
     } catch (const settings::Error& e) {
@@ -176,29 +176,29 @@ TEST_CASE("one stop is enough for a curve, and says that its intervals come from
 
 TEST_CASE("bad recordings are refused with stop and sample", "[WEAR-040]") {
     const auto good = stops_of(kLight, {}, 2, 2);
-    CHECK_THAT(rejection({}), ContainsSubstring("no stop"));
+    CHECK_THAT(rejection_of_stops({}), ContainsSubstring("no stop"));
     auto bad = good;
     for (wear::BrakeSample& s : bad[1].samples) s.pressure_Pa = 0.0;
-    CHECK_THAT(rejection(bad), ContainsSubstring("stop 2: no pressure in any of its"));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("stop 2: no pressure in any of its"));
     bad = good;
     bad[0].samples[17].brake_torque_Nm = std::numeric_limits<double>::quiet_NaN();
-    CHECK_THAT(rejection(bad), ContainsSubstring("stop 1: sample 18: "));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("stop 1: sample 18: "));
     bad = good;
     bad[0].samples.resize(1);
-    CHECK_THAT(rejection(bad), ContainsSubstring("stop 1: "));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("stop 1: "));
     bad = good;
     for (wear::BrakeSample& s : bad[0].samples) s.speed_mps = 30.0;
-    CHECK_THAT(rejection(bad), ContainsSubstring("stop 1: its speeds cover 0.60 to 0.60"));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("stop 1: its speeds cover 0.60 to 0.60"));
     bad = good;
     std::swap(bad[0].samples[3].time_s, bad[0].samples[90].time_s);
-    CHECK_THAT(rejection(bad), ContainsSubstring("stop 1: sample 5: time"));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("stop 1: sample 5: time"));
     bad = good;
     for (wear::BrakeSample& s : bad[1].samples) s.pressure_Pa *= 1e-5;  // bar
-    CHECK_THAT(rejection(bad), ContainsSubstring("check the units"));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("check the units"));
     bad = good;
     bad[0].brake_on_mps = 0.0;
-    CHECK_THAT(rejection(bad), ContainsSubstring("brake-on speed"));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("brake-on speed"));
     bad = good;
     bad[0].brake_gain_m3 = -1.0;
-    CHECK_THAT(rejection(bad), ContainsSubstring("brake gain"));
+    CHECK_THAT(rejection_of_stops(bad), ContainsSubstring("brake gain"));
 }

@@ -9,6 +9,7 @@
 #include "rig_bridge/wear/population_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/fleet.hpp"
+#include "tests/wear/shipped_wear.hpp"
 
 namespace {
 
@@ -36,11 +37,6 @@ wear::ForecastSettings with_limit(double limit) {
     wear::ForecastSettings s;
     s.limit = limit;
     return s;
-}
-
-const wear::Population& shipped() {
-    static const wear::Population p = wear::read_population("config/wear/population.json").population;
-    return p;
 }
 
 }  // namespace
@@ -187,7 +183,7 @@ TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interv
     wear::ForecastSettings s = with_limit(kLimit);
     s.draws = 200;
     s.horizon = 2000;
-    const wear::BackTest t = wear::back_test(shipped(), brakes, s);
+    const wear::BackTest t = wear::back_test(shipped_population(), brakes, s);
     for (const wear::BackTestRow& row : t.rows) {
         CAPTURE(row.share_of_life, row.coverage(), row.earlier, row.later);
         CHECK(row.asked == 120);
@@ -200,7 +196,7 @@ TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interv
     // Later is better known.
     CHECK(t.rows[3].mean_error < t.rows[0].mean_error);
     // A population that knows nothing of how brakes differ is caught.
-    wear::Population sure = shipped();
+    wear::Population sure = shipped_population();
     sure.members = {sure.members.front()};
     sure.curves.log_life_deviation = 0.01;
     brakes.resize(40);

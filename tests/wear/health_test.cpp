@@ -12,16 +12,12 @@
 #include "rig_bridge/wear/wearing_brake.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/fleet.hpp"
+#include "tests/wear/shipped_wear.hpp"
 
 namespace {
 
 using wear::Condition;
 using wear::Fault;
-
-const wear::Population& shipped() {
-    static const wear::Population p = wear::read_population("config/wear/population.json").population;
-    return p;
-}
 
 std::vector<wear::Campaign> fleet(std::uint64_t first, std::uint64_t count) {
     std::vector<wear::Campaign> out;
@@ -37,7 +33,7 @@ TEST_CASE("scores of healthy brakes are standard normal", "[WEAR-060]") {
     double squares = 0.0;
     double beyond_two = 0.0;
     for (const wear::Campaign& c : fleet(80000, 20)) {
-        wear::HealthMonitor monitor(shipped());
+        wear::HealthMonitor monitor(shipped_population());
         for (const wear::Point& p : c.points) {
             const double z = monitor.after(p).score;
             n += 1.0;
@@ -53,7 +49,7 @@ TEST_CASE("scores of healthy brakes are standard normal", "[WEAR-060]") {
 }
 
 TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060]") {
-    const wear::HealthyTrial t = wear::try_healthy(shipped(), fleet(80000, 100));
+    const wear::HealthyTrial t = wear::try_healthy(shipped_population(), fleet(80000, 100));
     CHECK(t.campaigns == 100);
     CHECK(t.maneuvers > 40000);
     CAPTURE(t.flagged, t.suspected_maneuvers);
@@ -72,7 +68,7 @@ TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the s
     };
     for (const Promise& p : {Promise{Fault::glazing, 0.10, 40, 0}, Promise{Fault::glazing, 0.20, 25, 0}, Promise{Fault::drop, 0.10, 3, 12},
                              Promise{Fault::drop, 0.20, 3, 3}, Promise{Fault::drag, 0.10, 3, 12}, Promise{Fault::drag, 0.20, 3, 3}}) {
-        const wear::FaultTrial t = wear::try_fault(shipped(), healthy, p.fault, p.size, 1);
+        const wear::FaultTrial t = wear::try_fault(shipped_population(), healthy, p.fault, p.size, 1);
         CAPTURE(wear::name(p.fault), p.size, t.flagged, t.campaigns, t.median, t.ninety);
         CHECK(t.campaigns >= 57);
         CHECK(t.median > 0);
@@ -111,7 +107,7 @@ TEST_CASE("limits flag the stated share of the brakes that they were made from, 
 TEST_CASE("what is wrong is named by its direction, and abnormal is for good", "[WEAR-060]") {
     const wear::Campaign healthy = physical::worn_out(80001).campaign;
     const auto watch = [&](Fault fault, double size) {
-        wear::HealthMonitor monitor(shipped());
+        wear::HealthMonitor monitor(shipped_population());
         wear::Verdict last;
         bool was_abnormal = false;
         const wear::Campaign faulty = wear::with_fault(healthy, fault, size, 200);

@@ -21,7 +21,7 @@ namespace {
 const std::map<std::string, wear::Curve> kTruth{
     {"light", {1.10, -0.16, -0.06, 0.0}}, {"medium", {1.15, -0.60, 0.45, 0.0}}, {"heavy", {1.22, -1.02, 0.72, 0.20}}};
 
-double at(const wear::Curve& c, double x) {
+double friction_at(const wear::Curve& c, double x) {
     return c[0] + x * (c[1] + x * (c[2] + x * c[3]));
 }
 
@@ -34,7 +34,7 @@ double truth_at(const std::string& name, double x, double measured_mps, double p
     const wear::Curve& c = kTruth.at(name);
     const double per = measured_mps / prescribed_mps;
     const double mean = c[0] + c[1] * per / 2.0 + c[2] * per * per / 3.0 + c[3] * per * per * per / 4.0;
-    return at(c, std::min(x * per, 1.0)) / mean;
+    return friction_at(c, std::min(x * per, 1.0)) / mean;
 }
 
 std::string landing_of(const std::string& maneuver, std::uint64_t seed, const std::string& surface = "dry_asphalt") {
