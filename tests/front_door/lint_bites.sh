@@ -83,7 +83,7 @@ rm -r "$tree/rig_bridge" "$tree/config/reader.cpp"
 
 clean
 check "tidy: clean tree" "$lints/lint_tidy.py" "$tree/build"
-check "tidy: clean files are remembered" grep -q "2 files in 1 targets: 1 unchanged" <<<"$("$lints/lint_tidy.py" "$tree/build")"
+check "tidy: clean files are remembered" grep -q "2 files in 1 units: 1 unchanged" <<<"$("$lints/lint_tidy.py" "$tree/build")"
 cat >"$tree/firmware/control/header.hpp" <<'END'
 #pragma once
 inline int third(const int* x) { return x == 0 ? 0 : *x / 3; }
@@ -96,7 +96,7 @@ sed -i 's/x == nullptr/x == 0/' "$tree/firmware/control/header.hpp"
 check "tidy: a change in a header alone is seen" refuses modernize-use-nullptr "$lints/lint_tidy.py" "$tree/build"
 clean
 printf 'int seventh(int x) {\n    int y = 0;\n    return x / y;\n}\n' >"$tree/firmware/control/other.cpp"
-check "tidy: what only the analyser sees, in another file of the target" refuses clang-analyzer-core.DivideZero \
+check "tidy: what only the analyser sees, in another file of the unit" refuses clang-analyzer-core.DivideZero \
     "$lints/lint_tidy.py" "$tree/build"
 printf "InheritParentConfig: true\nChecks: '-clang-analyzer-core.DivideZero'\n" >"$tree/firmware/control/.clang-tidy"
 check "tidy: checks of the files' own folder are in force" "$lints/lint_tidy.py" "$tree/build"
