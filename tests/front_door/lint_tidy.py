@@ -95,12 +95,15 @@ def included_files(unit):
     return sorted({os.path.realpath(word) for word in rule.split(":", 1)[1].replace("\\\n", " ").split()})
 
 
-def compile_plugin(build):
-    """The plugin that keeps the checks out of system headers, for the clang-tidy that is installed."""
-    clang = pathlib.Path(shutil.which("clang-tidy")).resolve().parents[1]
-    plugin = build / "own_code.so"
-    output_of([clang / "bin/clang++", "-std=c++17", "-O1", "-fPIC", "-fno-rtti", "-shared", "-isystem", clang / "include",
-               ROOT / "tests/front_door/lint_own_code.cpp", "-o", plugin])
+def plugin_of(tool, folder):
+    """The plugin that keeps the checks out of system headers, for the clang-tidy that is installed; compiled once."""
+    plugin = folder / f"own_code_{hashlib.sha256(tool.encode()).hexdigest()}.so"
+    if not plugin.exists():
+        clang = pathlib.Path(shutil.which("clang-tidy")).resolve().parents[1]
+        made = folder / f"own_code_{os.getpid()}.so"
+        output_of([clang / "bin/clang++", "-std=c++17", "-O1", "-fPIC", "-fno-rtti", "-shared", "-isystem", clang / "include",
+                   ROOT / "tests/front_door/lint_own_code.cpp", "-o", made])
+        made.rename(plugin)
     return plugin
 
 
@@ -137,8 +140,8 @@ def main():
     if not units:
         sys.exit(f"{build}/compile_commands.json names no file of {ROOT}")
     units.sort(key=lambda unit: -len(unit.sources))  # the longest must not come last
-    plugin = compile_plugin(build)
     tool = output_of(["clang-tidy", "--version"]) + digest(ROOT / "tests/front_door/lint_own_code.cpp")
+    plugin = plugin_of(tool, evidence)
     complaints = known = 0
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         jobs = [pool.submit(check, unit, evidence, tool, plugin) for unit in units]

@@ -41,7 +41,7 @@ for page in pages:
     notebook = nbformat.read(page, as_version=4)
     nbformat.validate(notebook)
     stated = [(said(cell), len(drawn(cell))) for cell in notebook.cells]
-    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(page.parent)}}).execute()
+    nbclient.NotebookClient(notebook, kernel_name="python3", resources={"metadata": {"path": str(page.parent)}}).execute()
     if "--write" in sys.argv:
         keep(page, notebook)
         continue

@@ -8,6 +8,8 @@ import os
 import pathlib
 import re
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -83,6 +85,23 @@ def end(process, number=signal.SIGTERM):
 def rig(folder, *options, clock="sync", timeout=300):
     return subprocess.run([RIG, "--can", "vcan0", "--clock", clock, "--out", str(folder), *options], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=timeout)
+
+
+def started(command, identifier, frames, **pipes):
+    """A program, once so many frames with that identifier have been on the bus."""
+    with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as bus:
+        bus.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, struct.pack("=II", identifier, 0x7FF))
+        bus.bind(("vcan0",))
+        bus.settimeout(60.0)
+        process = subprocess.Popen(command, text=True, stdout=subprocess.DEVNULL, **pipes)
+        for _ in range(frames):
+            bus.recv(16)
+    check(process.poll() is None, f"{command[0]} ended early")
+    return process
+
+
+def braking_rig():
+    return started([RIG, "--can", "vcan0", "--surface", "ice", "--maneuver", "light"], 0x110, 2000, stderr=subprocess.PIPE)
 
 
 def in_process(folder, *options):
@@ -190,13 +209,10 @@ def realtime(folder):
 def controller_dies(folder):
     """[STUDY-051] The rig says who was silent, and when."""
     controller = start_controller(folder)
-    dying = subprocess.Popen([RIG, "--can", "vcan0", "--surface", "ice", "--maneuver", "light"], text=True,
-                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    time.sleep(2)
-    check(dying.poll() is None, "virtual-rig ended early")
+    dying = braking_rig()
     controller.kill()
     controller.wait()
-    said = dying.communicate(timeout=20)[1]
+    said = dying.communicate(timeout=60)[1]
     check(dying.returncode == 1, f"exit status {dying.returncode}")
     check(re.search(r"antiskid-controller did not answer SYNC \d+ within 1000 ms", said), said)
 
@@ -205,11 +221,9 @@ def rig_dies(folder, number, expected):
     """[STUDY-051] The controller names what is missing, and the safe current is the last command."""
     recorder = Recorder(folder)
     controller = start_controller(folder)
-    dying = subprocess.Popen([RIG, "--can", "vcan0", "--surface", "ice", "--maneuver", "light"], stdout=subprocess.DEVNULL,
-                             stderr=subprocess.DEVNULL)
-    time.sleep(3)
+    dying = braking_rig()
     dying.send_signal(number)
-    check(dying.wait(timeout=10) == expected, f"exit status {dying.returncode}")
+    check(dying.wait(timeout=60) == expected, f"exit status {dying.returncode}")
     time.sleep(2.5)
     check(end(controller) == 0, "antiskid-controller failed")
     report = json.loads((folder / "controller.json").read_text())
@@ -231,11 +245,9 @@ def interface(folder):
     run = subprocess.run([RIG, "--can", "vcan7"], text=True, capture_output=True)
     check(run.returncode == 1 and "vcan7" in run.stderr, f"absent interface: {run.returncode} {run.stderr}")
     controller = start_controller(folder)
-    running = subprocess.Popen([RIG, "--can", "vcan0", "--surface", "ice", "--maneuver", "light"], text=True,
-                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    time.sleep(2)
+    running = braking_rig()
     subprocess.run(["ip", "link", "set", "vcan0", "down"], check=True)
-    said = running.communicate(timeout=20)[1]
+    said = running.communicate(timeout=60)[1]
     subprocess.run(["ip", "link", "set", "vcan0", "up"], check=True)
     end(controller)
     check(running.returncode == 1, f"exit status {running.returncode}")

@@ -10,14 +10,13 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 REPLAY = str(BUILD / "bin/rig-replay")
 LAB = str(BUILD / "bin/rig-lab")
 
 import landing  # noqa: E402  (reads the build directory from sys.argv)
-from landing import Recorder, check, end, read_log, start_controller  # noqa: E402
+from landing import Recorder, check, end, read_log, start_controller, started  # noqa: E402
 
 
 def replay(*options, status=0, program=REPLAY):
@@ -84,8 +83,7 @@ def ends(folder):
     check("nowhere" in replay("bus", "nowhere.log", "--can", "vcan0", status=2).stderr, "the absent log is not named")
     check("100:7F0" in replay("bus", str(log), "--can", "vcan0", "--id", "12", status=2).stderr, "the wrong rule is not explained")
     replay("bus", str(log), "--can", "vcan0", "--speed", "-1", status=2)
-    playing = subprocess.Popen([REPLAY, "bus", str(log), "--can", "vcan0"], stdout=subprocess.DEVNULL)
-    time.sleep(0.5)
+    playing = started([REPLAY, "bus", str(log), "--can", "vcan0"], 0x111, 1)
     check(end(playing, signal.SIGINT) == 130, "Ctrl-C")
     subprocess.run(["ip", "link", "set", "vcan0", "down"], check=True)
     check("ip link set vcan0 up" in replay("bus", str(log), "--can", "vcan0", status=1).stderr, "the interface that is down is not named")
