@@ -47,6 +47,7 @@ SAFE_PERIODS, LOCK_PERIODS, UNASKED_PERIODS, UNASKED_PA, LOCK_PA, LOCK_MPS = 21,
 TEETH = 60
 MOST_LOST = 8  # SYNCs in a row, at 5 %
 SPEED_MPS = 25.0
+TOUCHED_DOWN = PHASES[PHASES.index("settling"):]
 
 
 def sh(command):
@@ -177,16 +178,15 @@ def run(rig, ear, folder, kind, number, sound_m):
     rig.start()
     out = folder / f"run{number}"
     bridge = rig.bridge("maneuver", out, "--no-cool-down")
-    check(ear.until(lambda: ear.phase == "settling" or bridge.poll() is not None, 120.0), f"{kind}: no touchdown\n{words(bridge)}")
+    check(ear.until(lambda: ear.phase in TOUCHED_DOWN or bridge.poll() is not None, 120.0), f"{kind}: no touchdown\n{words(bridge)}")
     check(bridge.poll() is None, f"{kind}: no touchdown\n{words(bridge)}")
     disturb(kind)
-    with ear.news:
-        begun = len(ear.frames)
     status = bridge.wait(timeout=200)
     disturb("none")
     check(status in (0, 1), f"{kind}: exit status {status}\n{words(bridge)}")
     judge = Judge()
     frames = list(ear.frames)
+    begun = next(i for i, (identifier, data) in enumerate(frames) if identifier == STATE and PHASES[data[1] >> 4] == "settling")
     for each in frames[begun:]:
         judge.see(*each)
     summary = json.loads((out / "summary.json").read_text())

@@ -127,8 +127,9 @@ def watch(rig, bridge, options):
 def judge(rows, ledger):
     """What creeps or is lost, one line each."""
     wrong = []
+    used = [row for row in rows if row[FINISHED] > 0] or rows  # the first maneuver takes memory that the others use again
     for column, name in enumerate(COLUMNS):
-        first, last = (max(part) for part in thirds([row[column] for row in rows]))
+        first, last = (max(part) for part in thirds([row[column] for row in used]))
         if name.endswith("_rss_KiB") and last > first + RSS_GROWTH_KIB or name.endswith("_fds") and last > first:
             wrong.append(f"{name}: {first} in the first third, {last} in the last")
     finished = [row for row in ledger if row["state"] == "finished"]
