@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "firmware/control/config.hpp"
+#include "firmware/control/types.hpp"
 
 namespace control_test {
 
