@@ -7,7 +7,7 @@
 
 namespace record_test {
 
-/// Of a text file.
+/// The lines of a text file.
 [[nodiscard]] inline std::vector<std::string> lines(const std::filesystem::path& path) {
     std::vector<std::string> all;
     std::ifstream in(path);

@@ -186,7 +186,9 @@ def run(rig, ear, folder, kind, number, sound_m):
     check(status in (0, 1), f"{kind}: exit status {status}\n{words(bridge)}")
     judge = Judge()
     frames = list(ear.frames)
-    begun = next(i for i, (identifier, data) in enumerate(frames) if identifier == STATE and PHASES[data[1] >> 4] == "settling")
+    settling = [i for i, (identifier, data) in enumerate(frames) if identifier == STATE and PHASES[data[1] >> 4] == "settling"]
+    check(settling, f"{kind}: no touchdown\n{words(bridge)}")
+    begun = settling[0]
     for each in frames[begun:]:
         judge.see(*each)
     summary = json.loads((out / "summary.json").read_text())

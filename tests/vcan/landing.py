@@ -100,7 +100,8 @@ def started(command, identifier, frames, **pipes):
     return process
 
 
-def braking_rig():
+def landing_rig():
+    """A rig whose landing has been under way for 2 s of its time, of nearly two minutes."""
     return started([RIG, "--can", "vcan0", "--surface", "ice", "--maneuver", "light"], 0x110, 2000, stderr=subprocess.PIPE)
 
 
@@ -209,7 +210,7 @@ def realtime(folder):
 def controller_dies(folder):
     """[STUDY-051] The rig says who was silent, and when."""
     controller = start_controller(folder)
-    dying = braking_rig()
+    dying = landing_rig()
     controller.kill()
     controller.wait()
     said = dying.communicate(timeout=60)[1]
@@ -221,10 +222,13 @@ def rig_dies(folder, number, expected):
     """[STUDY-051] The controller names what is missing, and the safe current is the last command."""
     recorder = Recorder(folder)
     controller = start_controller(folder)
-    dying = braking_rig()
+    dying = landing_rig()
     dying.send_signal(number)
     check(dying.wait(timeout=60) == expected, f"exit status {dying.returncode}")
-    time.sleep(2.5)
+    deadline = time.monotonic() + 60
+    while "wheel_lost" not in (folder / "controller.log").read_text():
+        check(time.monotonic() < deadline, "the lost sensor is not named: " + (folder / "controller.log").read_text())
+        time.sleep(0.05)
     check(end(controller) == 0, "antiskid-controller failed")
     report = json.loads((folder / "controller.json").read_text())
     check("wheel_lost" in json.dumps(report), "the lost sensor is not named: " + json.dumps(report))
@@ -245,7 +249,7 @@ def interface(folder):
     run = subprocess.run([RIG, "--can", "vcan7"], text=True, capture_output=True)
     check(run.returncode == 1 and "vcan7" in run.stderr, f"absent interface: {run.returncode} {run.stderr}")
     controller = start_controller(folder)
-    running = braking_rig()
+    running = landing_rig()
     subprocess.run(["ip", "link", "set", "vcan0", "down"], check=True)
     said = running.communicate(timeout=60)[1]
     subprocess.run(["ip", "link", "set", "vcan0", "up"], check=True)
