@@ -83,8 +83,9 @@ def ends(folder):
     check("nowhere" in replay("bus", "nowhere.log", "--can", "vcan0", status=2).stderr, "the absent log is not named")
     check("100:7F0" in replay("bus", str(log), "--can", "vcan0", "--id", "12", status=2).stderr, "the wrong rule is not explained")
     replay("bus", str(log), "--can", "vcan0", "--speed", "-1", status=2)
-    playing = started([REPLAY, "bus", str(log), "--can", "vcan0"], 0x111, 1)
-    check(end(playing, signal.SIGINT) == 130, "Ctrl-C")
+    for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 1)):
+        playing = started([REPLAY, "bus", str(log), "--can", "vcan0"], 0x111, 1)
+        check(end(playing, number) == status, f"{number.name}: {playing.returncode}")
     subprocess.run(["ip", "link", "set", "vcan0", "down"], check=True)
     check("ip link set vcan0 up" in replay("bus", str(log), "--can", "vcan0", status=1).stderr, "the interface that is down is not named")
     subprocess.run(["ip", "link", "set", "vcan0", "up"], check=True)
