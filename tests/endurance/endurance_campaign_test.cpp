@@ -40,7 +40,7 @@ TEST_CASE("Table III: over 20 maneuvers every mean within one printed standard d
     }
 }
 
-TEST_CASE("Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one", "[STUDY-073]") {
+TEST_CASE("Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one", "[STUDY-073][statistics]") {
     const TemporaryDirectory directory;
     const CampaignResult result = campaign(directory / "campaign.sqlite", 500);
     REQUIRE(result.finished.size() == 500);

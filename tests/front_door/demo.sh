@@ -81,3 +81,32 @@ wait $run
 expect "Ctrl-C" $? 130
 expect "ends the virtual rig, then the controller" "$(tail -n 2 "$scratch/events")" $'rig ended\ncontroller ended'
 check "nothing is left" eventually 5 nothing_left
+
+# shellcheck disable=SC2317 # called by the sourced file
+verb() ( # STATUS LOG OPTIONS: the verb itself; its three programs end with this status and this line in the rig's log
+    set -eo pipefail
+    root=$(cd "$here/../.." && pwd) ended=$1 said=$2
+    say() { :; }
+    setup() { :; }
+    build() { :; }
+    source "$root/firmware/host/vcan/demo.bash"
+    demo_lockstep() { :; }
+    too_late_for_real_time() { :; }
+    fly() {
+        touch "$2/controller.log"
+        echo "$said" >"$2/virtual-rig.log"
+        return "$ended"
+    }
+    demo "${@:3}" --out "$out" >/dev/null 2>"$scratch/stderr"
+)
+verb 0 ""
+expect "a landing in real time" $? 0
+verb 1 "virtual-rig: 1 of 9 seconds (146 periods not sent in time)"
+expect "a machine that is too late after a landing in lockstep" $? 0
+check "and is told" grep -q "too late for real time (146 periods)" "$scratch/stderr"
+verb 1 "virtual-rig: 1 of 9 seconds (146 periods not sent in time)" --real-time
+expect "one that is too late for all that was asked" $? 1
+verb 1 "virtual-rig: 3 periods missed"
+expect "a failure in time" $? 1
+verb 3 "virtual-rig: 146 periods missed"
+expect "another failure" $? 3

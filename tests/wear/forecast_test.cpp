@@ -169,7 +169,19 @@ TEST_CASE("already crossed, never crossed and beyond the data are said", "[WEAR-
     CHECK_THROWS_AS(wear::forecast(filter, 0.0, kOneMJ, with_limit(0.0)), std::invalid_argument);
 }
 
-TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interval holds 70 to 90 %", "[WEAR-050]") {
+TEST_CASE("a back-test forecasts each brake once at each share of its life", "[WEAR-050]") {
+    physical::WornOut brake = physical::worn_out(70000);
+    const auto life = brake.life(0.2);
+    REQUIRE(life.has_value());
+    wear::ForecastSettings s = with_limit(0.2);
+    s.draws = 50;
+    s.horizon = 2000;
+    const wear::BackTest t = wear::back_test(shipped_population(), {{std::move(brake.campaign), *life}}, s);
+    for (const wear::BackTestRow& row : t.rows) CHECK(row.asked == 1);
+    CHECK(t.pooled.asked == t.rows.size());
+}
+
+TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interval holds 70 to 90 %", "[WEAR-050][statistics]") {
     // The population was learnt from the brakes of seeds 1000 to 1039; the truth here is the law's own friction without scatter.
     constexpr double kLimit = 0.2;
     std::vector<wear::HeldOut> brakes;

@@ -6,7 +6,8 @@ demo_help() {
 A heavy landing on dry asphalt over a real CAN interface: first antiskid-controller and virtual-rig in lockstep, as fast as both can; then, where
 this machine wakes programs up in time, antiskid-controller, virtual-rig (the rig and its PLC) and rig-bridge (which runs the maneuver, over
 Modbus TCP) in real time. Shows a table of each; leaves bus.log, trajectory.csv, result.json, controller.json and maneuver.png in out/demo, and
-of the three programs bus.log, modbus.csv, summary.json, controller.json and maneuver.png in out/demo/real_time.
+of the three programs bus.log, modbus.csv, summary.json, controller.json and maneuver.png in out/demo/real_time. Exit status 0 if the first
+landing is good and this machine is too late for the second; the rig is then safe, which --real-time alone reports with 1.
 
   ./rig demo
   ./rig demo --lockstep --surface snow --slip 0.1   the first alone: another landing
@@ -86,6 +87,7 @@ demo_both() { # OPTIONS
    ./rig demo --paced shows the three programs on stretched time, ./rig demo --real-time all the same"
         return
     fi
+    local landed=1
     demo_landing --real-time "$@"
 }
 
@@ -127,8 +129,11 @@ demo_landing() {
     if [[ $status -ne 0 ]]; then
         # By their own words, since what a late program makes the controller name depends on which one it was: overrun, or sensors lost.
         late=$(cat "$out"/{virtual-rig,controller}.log | sed -nE 's/.*[ (]([0-9]+) periods (not sent in time|missed).*/\1/p' | sort -n | tail -n 1)
-        [[ $status -ne 1 || $clock != timer || ${late:-0} -le 20 ]] ||
+        if [[ $status -eq 1 && $clock == timer && ${late:-0} -gt 20 ]]; then
             echo "demo: this machine was too late for real time ($late periods), and the rig is safe; ./rig demo --paced stretches time instead" >&2
+            # After a landing in lockstep that is the machine's limit, as if the wake-ups had shown it before.
+            [[ -z ${landed-} ]] || status=0
+        fi
         echo "demo: what each program said is in $out" >&2
         return "$status"
     fi
