@@ -228,12 +228,15 @@ def in_guest_memory():
 
 
 def ledger_copy(out):
-    """The ledger as a reader would find it after the machine came up again: looked at in a copy, a hot journal with it."""
+    """The ledger as a reader would find it after the machine came up again: looked at in a copy, a hot journal with it. A bridge that was killed
+    before its tables were written leaves an empty one."""
     with tempfile.TemporaryDirectory(**in_guest_memory()) as place:
         for file in out.glob("campaign.sqlite*"):
             shutil.copy(file, place)
         database = sqlite3.connect(pathlib.Path(place) / "campaign.sqlite")
         check(database.execute("PRAGMA integrity_check").fetchall() == [("ok",)], "the ledger is corrupt")
+        if not database.execute("SELECT * FROM sqlite_master").fetchall():
+            return []
         rows = database.execute("SELECT * FROM maneuvers ORDER BY id").fetchall()
         names = [column[0] for column in database.execute("SELECT * FROM maneuvers LIMIT 0").description]
         database.close()
