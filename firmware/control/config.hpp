@@ -59,11 +59,11 @@ struct EstimatorConfig {
 struct ObserverConfig {
     float reading_noise = 0.0F;        ///< standard deviation of the edge positions of a reading, as share of the encoder's pitch
     float road_noise_radps2 = 0.0F;    ///< random walk of the road torque as wheel acceleration, per root of a second
-    float answer_noise = 0.0F;         ///< random walk of the road's answer, relative to itself plus the floor, per root of a second; 0: the
-                                       ///< answer is not learnt
-    float answer_floor_per_s = 0.0F;   ///< uncertainty of an answer of zero; the filter starts with half of it
+    float pole_noise = 0.0F;           ///< random walk of the wheel's pole, relative to itself plus the floor, per root of a second; 0: the
+                                       ///< pole is not learnt
+    float pole_floor_radps = 0.0F;     ///< uncertainty of a pole of zero; the filter starts with half of it
     float max_mean_innovation = 0.0F;  ///< mean innovation of the readings, in standard deviations, beyond which the wheel is on another road
-    float prediction_share = 0.0F;     ///< share of a restoring answer that is used for the prediction over the valve's delay, 0 to 1
+    float prediction_share = 0.0F;     ///< share of a stable pole that is used for the prediction over the valve's delay, 0 to 1
 };
 
 /// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the
@@ -73,7 +73,7 @@ struct SlipConfig {
     float k_i_per_s2 = 0.0F;
     float k_d = 0.0F;                    ///< on the slip rate
     float k_dd_s = 0.0F;                 ///< on the second derivative of slip, which the valve model gives without differentiation
-    float k_answer = 0.0F;               ///< added to k_p: this share of a restoring answer
+    float k_pole = 0.0F;                 ///< added to k_p: this share of a stable pole
     float max_slip_rate_per_s = 0.0F;    ///< largest slip rate requested: limits the pressure above balance when the runway becomes slippery
     float earliest_peak_slip = 0.0F;     ///< friction of every runway peaks at a larger slip: up to here the road is restoring
     float early_slip_rate_per_s = 0.0F;  ///< largest slip rate requested at zero slip; falls to max_slip_rate_per_s at earliest_peak_slip
@@ -82,11 +82,11 @@ struct SlipConfig {
     float low_speed_floor_mps = 0.0F;    ///< at and below it the reference is `low_speed_slip` at the most
     float low_speed_slip = 0.0F;
 
-    // Share of the reference in force: integral of rise_per_s (answer + runaway_per_s) / answer_scale_per_s, an integrand of at most rise_per_s.
+    // Share of the reference in force: integral of rise_per_s (pole + runaway_per_s) / pole_scale_radps, an integrand of at most rise_per_s.
     float runaway_per_s = 0.0F;        ///< a wheel that runs away at this rate can still be controlled
-    float max_held_slip_error = 0.0F;  ///< no fall while the slip stays this close to the reference, whatever the estimated answer
-    float answer_scale_per_s = 0.0F;
-    float answer_filter_radps = 0.0F;
+    float max_held_slip_error = 0.0F;  ///< no fall while the slip stays this close to the reference, whatever the estimated pole
+    float pole_scale_radps = 0.0F;
+    float pole_filter_radps = 0.0F;
     float rise_per_s = 0.0F;
     /// Rate at which the share falls, per unit of slip beyond 0.05 above the reference in force.
     float excess_fall_per_s = 0.0F;

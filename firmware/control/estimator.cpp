@@ -46,7 +46,7 @@ inline void Estimator::calibrate_radius(bool on_wheels) {
 /// Over the valve's delay, from commands already given. The road's torque follows the slip meanwhile.
 inline void Estimator::look_ahead(float v_mps) {
     Estimate& e = estimate_;
-    const float believed = e.answer_per_s > 0.0F ? prediction_share_ * e.answer_per_s : e.answer_per_s;
+    const float believed = e.wheel_pole_radps > 0.0F ? prediction_share_ * e.wheel_pole_radps : e.wheel_pole_radps;
     // As repeated WheelSteps with the speed changes added up: a wheel that would stop in between stops at the end.
     const WheelStep step(believed, period_s_);
     const float follows = believed * step.acting_s();
@@ -90,8 +90,8 @@ const Estimate& Estimator::update(const Sensors& sensors, float held_Pa) {
     e.v_dot_mps2 = flywheel_tracker_.acceleration() * flywheel_radius_m_;
     e.omega_radps = wheel_observer_.motion().omega_radps;
     e.omega_dot_radps2 = wheel_observer_.motion().road_radps2 - brake_gain_ * pressure.pressure_Pa;
-    e.answer_per_s = wheel_observer_.answer_per_s();
-    e.answer_variance_per_s2 = wheel_observer_.answer_variance_per_s2();
+    e.wheel_pole_radps = wheel_observer_.wheel_pole_radps();
+    e.wheel_pole_variance_radps2 = wheel_observer_.wheel_pole_variance_radps2();
     e.road_radps2 = wheel_observer_.motion().road_radps2;
     e.another_road = wheel_observer_.another_road();
     e.pressure = pressure;

@@ -13,8 +13,8 @@ float triangle(float turns) {
     return turns < 0.75F ? 2.0F - 4.0F * turns : 4.0F * turns - 4.0F;
 }
 
-/// Of friction over slip, per answer of the road.
-float elasticity_per_answer_s(const Estimate& e) {
+/// Of friction over slip, per pole of the wheel.
+float elasticity_per_pole_s(const Estimate& e) {
     constexpr float kMinSlip = 0.01F;
     constexpr float kMinRoad_radps2 = 50.0F;  // less is noise
     const float road = larger(e.road_radps2, kMinRoad_radps2);
@@ -30,11 +30,11 @@ void PeakSeeker::follow(const Estimate& e) {
         elasticity_ = 0.0F;
         slip_ = larger(slip_, config_.start_slip);
     }
-    const float per_answer_s = elasticity_per_answer_s(e);
+    const float per_pole_s = elasticity_per_pole_s(e);
     const float share = config_.filter_radps * period_s_;
-    elasticity_ += (limited(e.answer_per_s * per_answer_s, -1.0F, 1.0F) - elasticity_) * share;
+    elasticity_ += (limited(e.wheel_pole_radps * per_pole_s, -1.0F, 1.0F) - elasticity_) * share;
     const float at_peak = 1.0F - magnitude(elasticity_);
-    const float known = 1.0F / (1.0F + e.answer_variance_per_s2 * per_answer_s * per_answer_s);
+    const float known = 1.0F / (1.0F + e.wheel_pole_variance_radps2 * per_pole_s * per_pole_s);
     confidence_ += (at_peak * known - confidence_) * share;
     grip_N_ += (inertia_kgm2_ * e.road_radps2 / e.radius_m - grip_N_) * at_peak * share;
     const float missing = limited(config_.gain * (elasticity_ - config_.elasticity), -1.0F, 1.0F);

@@ -1,7 +1,7 @@
 /// Finds the slip of maximum friction while braking on an unknown runway.
 ///
 /// Controls the elasticity of friction over slip, (lambda / mu) d mu / d lambda, to a target: 0 at the peak, positive below it. With the observer's
-/// answer a and road torque tau (wheel_observer.hpp) it is a lambda v / (r tau): load, inertia and brake gain cancel. The reference changes in
+/// pole a and road torque tau (wheel_observer.hpp) it is a lambda v / (r tau): load, inertia and brake gain cancel. The reference changes in
 /// proportion to the difference from the target, with a small periodic test signal, because the slope cannot be estimated at constant slip (extremum
 /// seeking: K. B. Ariyur and M. Krstic, Real-Time Optimization by Extremum-Seeking Control, Wiley 2003).
 #pragma once

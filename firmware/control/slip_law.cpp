@@ -3,7 +3,7 @@
 namespace antiskid::control {
 
 namespace {
-/// The road's answer along the chord of friction from no slip, r tau / (lambda v): a wheel that follows the pressure at once, as one with
+/// The wheel's pole along the chord of friction from no slip, r tau / (lambda v): a wheel that follows the pressure at once, as one with
 /// hardly any slip does, shows no slope by its speed, but its torque over its slip.
 float chord_per_s(const Estimate& e) {
     constexpr float kMinSlip = 0.01F;  // less is the error of the wheel's radius
@@ -17,7 +17,7 @@ void SlipLaw::start(const Estimate& estimate) {
     reference_ = larger(estimate.slip, 0.0F);
     scheduled_reference_ = reference_;
     integral_ = 0.0F;
-    answer_per_s_ = estimate.answer_per_s;
+    wheel_pole_radps_ = estimate.wheel_pole_radps;
     slip_error_ = 0.0F;
 }
 
@@ -29,16 +29,16 @@ void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
 }
 
 /// Increases the share of the reference while the road is restoring, reduces it while the wheel runs away.
-float SlipLaw::answered_rate_per_s(const Estimate& e) {
-    answer_per_s_ += (e.answer_per_s - answer_per_s_) * config_.answer_filter_radps * period_s_;
-    const float wanted = (answer_per_s_ + config_.runaway_per_s) / config_.answer_scale_per_s;
-    slip_error_ += (magnitude(e.slip - reference_) - slip_error_) * config_.answer_filter_radps * period_s_;
+float SlipLaw::rate_by_pole_per_s(const Estimate& e) {
+    wheel_pole_radps_ += (e.wheel_pole_radps - wheel_pole_radps_) * config_.pole_filter_radps * period_s_;
+    const float wanted = (wheel_pole_radps_ + config_.runaway_per_s) / config_.pole_scale_radps;
+    slip_error_ += (magnitude(e.slip - reference_) - slip_error_) * config_.pole_filter_radps * period_s_;
     const bool may_fall = wanted > 0.0F || slip_error_ >= config_.max_held_slip_error;
     return may_fall ? smaller(wanted, 1.0F) * config_.rise_per_s : 0.0F;
 }
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    retreat(e, answered_rate_per_s(e));
+    retreat(e, rate_by_pole_per_s(e));
     return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference, ceiling_Pa);
 }
 
@@ -63,9 +63,9 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float rate_rate = rate_per_Pa * e.late_pressure.rate_Paps;
     const float early = earliness(e.slip);
     const float along_chord = early > 0.0F ? early * chord_per_s(e) : 0.0F;
-    const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), along_chord);
+    const float restoring = larger(config_.k_pole * larger(e.wheel_pole_radps, 0.0F), along_chord);
     const float max_rate = config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
-    const float wanted_rate = (config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
+    const float wanted_rate = (config_.k_p_per_s + restoring) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
     const float wanted_Pa = e.late_balance_Pa + smaller(wanted_rate, max_rate) / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
     // The integral is held while slip rate or valve is at a limit and the error would drive it further (anti-windup).

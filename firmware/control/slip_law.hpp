@@ -1,5 +1,5 @@
 /// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure that balances the road. Its gain grows with
-/// the road's answer to slip. It lowers its reference towards the peak of friction when the wheel runs away faster than the valve can follow, or the
+/// the wheel's pole. It lowers its reference towards the peak of friction when the wheel runs away faster than the valve can follow, or the
 /// slip stays above the reference.
 #pragma once
 
@@ -34,7 +34,7 @@ class SlipLaw {
 
     /// Pressure to request, 0 to `ceiling_Pa`. Lowers the reference as described above.
     [[nodiscard]] float pressure_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
-    /// The same for a reference found elsewhere, e.g. by PeakSeeker: lowered only for slip above it, not for the road's answer.
+    /// The same for a reference found elsewhere, e.g. by PeakSeeker: lowered only for slip above it, not for the wheel's pole.
     [[nodiscard]] float follow_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
 
     /// The reference in force.
@@ -44,7 +44,7 @@ class SlipLaw {
 
   private:
     void retreat(const Estimate& estimate, float rate_per_s);
-    float answered_rate_per_s(const Estimate& estimate);
+    float rate_by_pole_per_s(const Estimate& estimate);
     [[nodiscard]] float earliness(float slip) const;
     float hold_Pa(const Estimate& estimate, float falling, float allowed, float ceiling_Pa);
 
@@ -52,10 +52,10 @@ class SlipLaw {
     float period_s_;
     float reference_ = 0.0F;
     float scheduled_reference_ = 0.0F;
-    float integral_ = 0.0F;      // of the slip error times k_i, 1/s
-    float share_ = 1.0F;         // of the reference, in force
-    float answer_per_s_ = 0.0F;  // filtered
-    float slip_error_ = 0.0F;    // distance from the reference, filtered
+    float integral_ = 0.0F;          // of the slip error times k_i, 1/s
+    float share_ = 1.0F;             // of the reference, in force
+    float wheel_pole_radps_ = 0.0F;  // filtered
+    float slip_error_ = 0.0F;        // distance from the reference, filtered
 };
 
 }  // namespace antiskid::control

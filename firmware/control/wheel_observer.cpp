@@ -4,9 +4,9 @@ namespace antiskid::control {
 
 namespace {
 constexpr float kFullTurn = 6.28318531F;
-constexpr float kMinNoise_radps = 0.02F;    // of a reading: the clock's resolution
-constexpr float kMinAnswer_per_s = -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
-constexpr float kMaxAnswer_per_s = 6000.0F;
+constexpr float kMinNoise_radps = 0.02F;  // of a reading: the clock's resolution
+constexpr float kMinPole_radps = -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
+constexpr float kMaxPole_radps = 6000.0F;
 }  // namespace
 
 WheelObserver::WheelObserver(const ObserverConfig& config, const WheelConfig& wheel, float period_s)
@@ -17,15 +17,15 @@ WheelObserver::WheelObserver(const ObserverConfig& config, const WheelConfig& wh
       reject_timeout_s_(wheel.encoder.reject_timeout_s),
       hardest_brake_(wheel.hardest_brake),
       period_s_(period_s),
-      learns_answer_(config.answer_noise > 0.0F) {}
+      learns_pole_(config.pole_noise > 0.0F) {}
 
 void WheelObserver::begin(float omega_radps) {
     constexpr float kSpeed_radps = 10.0F, kRoad_radps2 = 100.0F;
     motion_ = {omega_radps, 0.0F};
-    answer_per_s_ = 0.5F * config_.answer_floor_per_s;
+    wheel_pole_radps_ = 0.5F * config_.pole_floor_radps;
     ww_ = kSpeed_radps * kSpeed_radps;
     tt_ = kRoad_radps2 * kRoad_radps2;
-    aa_ = learns_answer_ ? answer_per_s_ * answer_per_s_ : 0.0F;
+    aa_ = learns_pole_ ? wheel_pole_radps_ * wheel_pole_radps_ : 0.0F;
     wt_ = 0.0F;
     wa_ = 0.0F;
     ta_ = 0.0F;
@@ -35,30 +35,30 @@ void WheelObserver::begin(float omega_radps) {
 
 void WheelObserver::predict(const Drive& drive) {
     constexpr float kSpeedNoise = 1.0F;   // rad/s in the root of a second: what the equations leave out
-    constexpr float kMaxVariance = 4e7F;  // of the answer
+    constexpr float kMaxVariance = 4e7F;  // of the pole
     const float h = period_s_;
-    const WheelStep step(answer_per_s_, h);
+    const WheelStep step(wheel_pole_radps_, h);
     const float f = step.acting_s();
     const float excess = motion_.road_radps2 - drive.brake_radps2 - drive.steady_radps2;
     motion_ = step.from(motion_, drive.brake_radps2, drive.steady_radps2);
     motion_.road_radps2 = limited(motion_.road_radps2, -max_radps2_, max_radps2_);
 
     // F = [1 f w_a; 0 1 - a f t_a; 0 0 1], then F P F^T + Q.
-    const float w_a = answer_per_s_ > 0.0F ? -f * f * excess : 0.0F;
+    const float w_a = wheel_pole_radps_ > 0.0F ? -f * f * excess : 0.0F;
     const float t_a = -f * f / h * excess;
-    const float keeps = 1.0F - answer_per_s_ * f;
+    const float keeps = 1.0F - wheel_pole_radps_ * f;
     const float ww = ww_ + f * wt_ + w_a * wa_;
     const float wt = wt_ + f * tt_ + w_a * ta_;
     const float wa = wa_ + f * ta_ + w_a * aa_;
     const float tt = keeps * tt_ + t_a * ta_;
     const float ta = keeps * ta_ + t_a * aa_;
-    const float answer_noise = config_.answer_noise * (magnitude(answer_per_s_) + config_.answer_floor_per_s);
+    const float pole_noise = config_.pole_noise * (magnitude(wheel_pole_radps_) + config_.pole_floor_radps);
     ww_ = ww + f * wt + w_a * wa + kSpeedNoise * kSpeedNoise * h;
     wt_ = keeps * wt + t_a * wa;
     wa_ = wa;
     tt_ = keeps * tt + t_a * ta + config_.road_noise_radps2 * config_.road_noise_radps2 * h;
     ta_ = ta;
-    if (aa_ < kMaxVariance) aa_ += answer_noise * answer_noise * h;
+    if (aa_ < kMaxVariance) aa_ += pole_noise * pole_noise * h;
 }
 
 /// Whether readings deviate to one side for longer than noise explains.
@@ -73,10 +73,10 @@ void WheelObserver::forget_road(float reading_variance) {
     constexpr float kRoad_radps2 = 2000.0F;
     another_road_ = true;
     mean_innovation_ = 0.0F;
-    answer_per_s_ = 0.5F * config_.answer_floor_per_s;
+    wheel_pole_radps_ = 0.5F * config_.pole_floor_radps;
     ww_ += reading_variance;
     tt_ += kRoad_radps2 * kRoad_radps2;
-    aa_ = learns_answer_ ? config_.answer_floor_per_s * config_.answer_floor_per_s : 0.0F;
+    aa_ = learns_pole_ ? config_.pole_floor_radps * config_.pole_floor_radps : 0.0F;
     wt_ = 0.0F;
     wa_ = 0.0F;
     ta_ = 0.0F;
@@ -103,13 +103,13 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     const float per_variance = 1.0F / (w - age * t + variance);
     const float k_w = w * per_variance, k_t = t * per_variance;
     // An upper bound only shows that the wheel is slower. Used as a reading of an accelerating wheel it would be late, and explained by an ever
-    // larger answer of the road.
+    // larger pole of the wheel.
     const float k_a = reading.fresh ? a * per_variance : 0.0F;
     // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not lead to a larger correction.
     const float at_most = larger(motion_.omega_radps, 2.0F * reading.speed_radps);
     motion_.omega_radps = limited(motion_.omega_radps + k_w * innovation, 0.0F, at_most);
     motion_.road_radps2 = limited(motion_.road_radps2 + k_t * innovation, -max_radps2_, max_radps2_);
-    answer_per_s_ = limited(answer_per_s_ + k_a * innovation, kMinAnswer_per_s, kMaxAnswer_per_s);
+    wheel_pole_radps_ = limited(wheel_pole_radps_ + k_a * innovation, kMinPole_radps, kMaxPole_radps);
     // Rounding must not make a variance negative.
     ww_ = larger(ww_ - k_w * w, 1e-6F);
     wt_ -= k_w * t;

@@ -82,9 +82,9 @@ control::EstimatorConfig estimator(const settings::Table& t) {
 control::ObserverConfig observer(const settings::Table& t) {
     return {.reading_noise = number(t, "reading_noise", 1e-4, 1.0),
             .road_noise_radps2 = number(t, "road_noise_radps2", 1.0, 1e6),
-            .answer_noise = number(t, "answer_noise", 0.0, 100.0),
-            .answer_floor_per_s = number(t, "answer_floor_per_s", 1.0, 1e4),
-            .max_mean_innovation = number(t, "surprise", 1.0, 1e3),
+            .pole_noise = number(t, "pole_noise", 0.0, 100.0),
+            .pole_floor_radps = number(t, "pole_floor_radps", 1.0, 1e4),
+            .max_mean_innovation = number(t, "max_mean_innovation", 1.0, 1e3),
             .prediction_share = number(t, "prediction_share", 0.0, 1.0)};
 }
 
@@ -94,7 +94,7 @@ control::SlipConfig slip(const settings::Table& t) {
                           .k_i_per_s2 = number(t, "k_i_per_s2", 0.0, 1e5),
                           .k_d = number(t, "k_d", -1.0, 100.0),
                           .k_dd_s = number(t, "k_dd_s", 0.0, 1.0),
-                          .k_answer = number(t, "k_answer", 0.0, 10.0),
+                          .k_pole = number(t, "k_pole", 0.0, 10.0),
                           .max_slip_rate_per_s = number(t, "max_slip_rate_per_s", 0.1, 1e4),
                           .earliest_peak_slip = number(t, "earliest_peak_slip", 0.001, 0.5),
                           .early_slip_rate_per_s = number(t, "early_slip_rate_per_s", 0.1, 1e4),
@@ -103,9 +103,9 @@ control::SlipConfig slip(const settings::Table& t) {
                           .low_speed_floor_mps = number(t, "low_speed_floor_mps", 0.0, 100.0),
                           .low_speed_slip = number(t, "low_speed_slip", 0.0, 0.5),
                           .runaway_per_s = number(t, "runaway_per_s", 0.0, 1e3),
-                          .max_held_slip_error = number(t, "restless_slip", 0.0, 1.0),
-                          .answer_scale_per_s = number(t, "answer_scale_per_s", 0.1, 1e4),
-                          .answer_filter_radps = number(t, "answer_filter_radps", 0.1, 200.0),
+                          .max_held_slip_error = number(t, "max_held_slip_error", 0.0, 1.0),
+                          .pole_scale_radps = number(t, "pole_scale_radps", 0.1, 1e4),
+                          .pole_filter_radps = number(t, "pole_filter_radps", 0.1, 200.0),
                           .rise_per_s = number(t, "rise_per_s", 0.0, 100.0),
                           .excess_fall_per_s = number(t, "excess_fall_per_s", 0.0, 1000.0)};
     if (low_speed > 0.0F && s.low_speed_floor_mps >= low_speed) {

@@ -64,18 +64,18 @@ std::string infeasible_table(const margins::MarginsInput& input, const margins::
 std::string creep_table(const margins::MarginsInput& input, const margins::StudyOptions& options, Json& rows) {
     constexpr int kSpeeds = 200;
     const antiskid::control::SlipConfig& law = input.scenarios.front().controller.slip;
-    const auto k_p = static_cast<double>(law.k_p_per_s), k_answer = static_cast<double>(law.k_answer);
+    const auto k_p = static_cast<double>(law.k_p_per_s), k_pole = static_cast<double>(law.k_pole);
     auto table = settings::TextTable::markdown(
-        "surface|maneuver|at and below (m/s):.1f|at drop-out: stable pole (rad/s):.0f|upward margin (dB):.1f|k_answer that would have it:.2f");
+        "surface|maneuver|at and below (m/s):.1f|at drop-out: stable pole (rad/s):.0f|upward margin (dB):.1f|k_pole that would have it:.2f");
     rows = Json::array();
     for (const margins::StopConditions& s : input.cases) {
         const auto pole = [&](double v) { return options.equilibrium(s.rig, law, v).wheel_pole_radps(margins::Linearisation::full); };
         const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
         const auto at = std::find_if(speeds.begin(), speeds.end(),
-                                     [&](double v) { return margins::creep_margin_dB(pole(v), k_answer, k_p) < options.requirement.gain_dB; });
+                                     [&](double v) { return margins::creep_margin_dB(pole(v), k_pole, k_p) < options.requirement.gain_dB; });
         if (at == speeds.end()) continue;
         const double last = pole(speeds.back());
-        const double margin_dB = margins::creep_margin_dB(last, k_answer, k_p);
+        const double margin_dB = margins::creep_margin_dB(last, k_pole, k_p);
         const double enough = 1.0 - std::pow(10.0, -options.requirement.gain_dB / 20.0) - k_p / last;
         table.add(s.surface, s.maneuver, *at, last, margin_dB, enough);
         rows.push_back({{"surface", s.surface},
@@ -83,10 +83,10 @@ std::string creep_table(const margins::MarginsInput& input, const margins::Study
                         {"below_mps", *at},
                         {"pole_at_drop_out_radps", last},
                         {"upward_margin_dB", margin_dB},
-                        {"k_answer_that_would_have_it", enough}});
+                        {"k_pole_that_would_have_it", enough}});
     }
     if (rows.empty()) table.add("none", "", "", "", "", "");
-    return fmt::format("Where the shipped law cannot have {:.0f} dB upwards in the brake's gain with its k_p and k_answer\n\n{}",
+    return fmt::format("Where the shipped law cannot have {:.0f} dB upwards in the brake's gain with its k_p and k_pole\n\n{}",
                        options.requirement.gain_dB, table.text());
 }
 

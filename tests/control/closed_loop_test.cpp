@@ -71,7 +71,7 @@ void put_with_period(const std::filesystem::path& file, const int period_ms) {
         scale("k_dd_s", 0.2);
         scale("max_slip_rate_per_s", 0.5);
         scale("low_speed_mps", 1.2);
-        scale("answer_noise", 0.8);
+        scale("pole_noise", 0.8);
     }
     put(file, text);
 }

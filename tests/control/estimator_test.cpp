@@ -349,7 +349,7 @@ TEST_CASE("a wheel whose speed changes by 60 rad/s2 is not free", "[CTL-300]") {
     const float max_radps2 = GENERATE(60.0F, 59.9F);
     Config config = Exact::config();
     config.wheel.encoder.max_acceleration_radps2 = max_radps2;  // what the observer stops at
-    config.observer.answer_floor_per_s = 0.0F;                  // a road that answers nothing
+    config.observer.pole_floor_radps = 0.0F;                    // a road without a slope
     Exact x;
     x.estimator = Estimator(config);
     for (int i = 0; i < 300; ++i) {

@@ -40,15 +40,15 @@ inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     c.estimator = {.aircraft_bandwidth_radps = 50.0F, .pressure_bandwidth_radps = 470.0F};
     c.observer = {.reading_noise = 0.05F,
                   .road_noise_radps2 = 4000.0F,
-                  .answer_noise = 3.5F,
-                  .answer_floor_per_s = 100.0F,
+                  .pole_noise = 3.5F,
+                  .pole_floor_radps = 100.0F,
                   .max_mean_innovation = 6.0F,
                   .prediction_share = 0.2F};
     c.slip = {.k_p_per_s = 100.0F,
               .k_i_per_s2 = 200.0F,
               .k_d = 4.0F,
               .k_dd_s = 0.005F,
-              .k_answer = 0.3F,
+              .k_pole = 0.3F,
               .max_slip_rate_per_s = 20.0F,
               .earliest_peak_slip = 0.03F,
               .early_slip_rate_per_s = 40.0F,
@@ -57,8 +57,8 @@ inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
               .low_speed_floor_mps = 8.0F,
               .low_speed_slip = 0.14F,
               .runaway_per_s = 15.0F,
-              .answer_scale_per_s = 30.0F,
-              .answer_filter_radps = 30.0F,
+              .pole_scale_radps = 30.0F,
+              .pole_filter_radps = 30.0F,
               .rise_per_s = 0.2F,
               .excess_fall_per_s = 10.0F};
     c.deceleration = {

@@ -87,7 +87,7 @@ TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]"
     const float max_radps2 = GENERATE(30.0F, 29.9F);  // at radii of 0.5 m
     Config config = exact_config();
     config.wheel.encoder.max_acceleration_radps2 = max_radps2;  // what the observer stops at
-    config.observer.answer_floor_per_s = 0.0F;                  // a road that answers nothing
+    config.observer.pole_floor_radps = 0.0F;                    // a road without a slope
     config.monitor.free_slip = 0.25F;
     Watch w(config);
     w.sensors.flywheel.speed_radps = 128.0F;

@@ -19,7 +19,7 @@ constexpr float kInertia_kgm2 = 1.3F;
 Estimate on_road(const float elasticity, const float slip = 0.2F, const float road_radps2 = 4000.0F) {
     Estimate e = balanced(40.0F, slip, 8e6F);
     e.road_radps2 = road_radps2;
-    e.answer_per_s = elasticity * e.radius_m * road_radps2 / (slip * e.v_mps);
+    e.wheel_pole_radps = elasticity * e.radius_m * road_radps2 / (slip * e.v_mps);
     return e;
 }
 
@@ -53,7 +53,7 @@ TEST_CASE("the elasticity of friction is measured without load, inertia or speed
         CHECK(after(400, on_road(elasticity, 0.2F, 400.0F)).elasticity() == Approx(elasticity).margin(1e-5));
         Estimate slow = on_road(elasticity);
         slow.v_mps = 10.0F;
-        slow.answer_per_s *= 4.0F;  // wheel_observer.hpp: a goes with 1 / v
+        slow.wheel_pole_radps *= 4.0F;  // wheel_observer.hpp: a goes with 1 / v
         CHECK(after(400, slow).elasticity() == Approx(elasticity).margin(1e-5));
     }
     // A first-order filter: 1 - (1 - 0.05)^20 of a step after 20 ms.
@@ -62,11 +62,11 @@ TEST_CASE("the elasticity of friction is measured without load, inertia or speed
 
 TEST_CASE("what cannot be is bounded before it is believed", "[CTL-340]") {
     Estimate e = on_road(0.0F);
-    e.answer_per_s = 6000.0F;
+    e.wheel_pole_radps = 6000.0F;
     CHECK(after(400, e).elasticity() == Approx(1.0));
-    e.answer_per_s = -6000.0F;
+    e.wheel_pole_radps = -6000.0F;
     CHECK(after(400, e).elasticity() == Approx(-1.0));
-    e.answer_per_s = 1.0F;
+    e.wheel_pole_radps = 1.0F;
     e.slip = -0.3F;  // counts as 0.01, no road torque as 50 rad/s2
     e.road_radps2 = -100.0F;
     CHECK(after(400, e).elasticity() == Approx(0.01 * 40.0 / (0.32 * 50.0)).epsilon(1e-4));
@@ -82,7 +82,7 @@ TEST_CASE("grip is the road's force, taken in as far as friction does not change
     PeakSeeker seeker = after(400, steep);
     const float before = seeker.found().grip_N;
     steep.road_radps2 *= 2.0F;
-    steep.answer_per_s *= 2.0F;
+    steep.wheel_pole_radps *= 2.0F;
     for (int i = 0; i < 400; ++i) static_cast<void>(seeker.reference(steep));
     CHECK(seeker.found().grip_N == Approx(before).epsilon(1e-4));
     seeker.forget_runway();
@@ -96,7 +96,7 @@ TEST_CASE("confidence needs a slip at the peak and a slope that is known", "[CTL
     Estimate unsure = on_road(0.0F);
     // A standard deviation of the elasticity of 0.5: 1 / (1 + 0.25).
     const float per_elasticity = unsure.radius_m * unsure.road_radps2 / (unsure.slip * unsure.v_mps);
-    unsure.answer_variance_per_s2 = 0.25F * per_elasticity * per_elasticity;
+    unsure.wheel_pole_variance_radps2 = 0.25F * per_elasticity * per_elasticity;
     PeakSeeker seeker = after(400, unsure);
     CHECK(seeker.found().confidence == Approx(0.8).epsilon(1e-3));
     seeker.forget_runway();

@@ -18,9 +18,9 @@ namespace {
 constexpr float kCeiling_Pa = 20.7e6F;
 constexpr float kBalance_Pa = 8e6F;
 
-Estimate at_rest(const float v_mps, const float slip, const float answer_per_s = 0.0F) {
+Estimate at_rest(const float v_mps, const float slip, const float wheel_pole_radps = 0.0F) {
     Estimate e = balanced(v_mps, slip, kBalance_Pa);
-    e.answer_per_s = answer_per_s;
+    e.wheel_pole_radps = wheel_pole_radps;
     return e;
 }
 
@@ -39,9 +39,9 @@ SlipConfig exact_law() {
     return c;
 }
 
-/// The reference after `periods` at a slip and an answer of the road.
-float run(SlipLaw& law, const float answer_per_s, const float slip, const int periods) {
-    const Estimate e = at_rest(40.0F, slip, answer_per_s);
+/// The reference after `periods` at a slip and a pole of the wheel.
+float run(SlipLaw& law, const float wheel_pole_radps, const float slip, const int periods) {
+    const Estimate e = at_rest(40.0F, slip, wheel_pole_radps);
     for (int i = 0; i < periods; ++i) static_cast<void>(law.pressure_Pa(e, 0.2F, kCeiling_Pa));
     return law.reference();
 }
@@ -72,11 +72,11 @@ TEST_CASE("each term is worth its gain, scheduled with speed", "[CTL-040]") {
         e.late_slip = 0.21F;
         CHECK(asked() - base == Approx(-100.0 * 0.01 / per_Pa).epsilon(1e-3));
     }
-    SECTION("proportional with the road's answer, where that restores") {
+    SECTION("proportional with the wheel's pole, where that is stable") {
         e.late_slip = 0.19F;
-        e.answer_per_s = 1000.0F;
+        e.wheel_pole_radps = 1000.0F;
         CHECK(asked() - base == Approx(400.0 * 0.01 / per_Pa).epsilon(1e-3));
-        e.answer_per_s = -10.0F;
+        e.wheel_pole_radps = -10.0F;
         CHECK(asked() - base == Approx(100.0 * 0.01 / per_Pa).epsilon(1e-3));
     }
     SECTION("derivative: the slip rate that pressure and road torque make") {
@@ -125,7 +125,7 @@ TEST_CASE("a wheel that hardly slips is brought up along the chord of friction, 
     CHECK(asked(0.0F, -0.5F, 5000.0F) == Approx(40.0).epsilon(1e-3));
     CHECK(asked(0.015F, -0.5F, 5000.0F) == Approx(30.0).epsilon(1e-3));
     CHECK(asked(0.03F, -0.5F, 5000.0F) == Approx(20.0).epsilon(1e-3));
-    SECTION("an observed answer that is larger counts alone") {
+    SECTION("an observed pole that is larger counts alone") {
         Estimate e = at_rest(40.0F, 0.015F, 1000.0F);
         e.late_slip = 0.19F;
         e.road_radps2 = 500.0F;
@@ -279,7 +279,7 @@ TEST_CASE("a law that starts again is as one that starts for the first time", "[
     CHECK(law.reference() < 0.199F);
 }
 
-TEST_CASE("the filtered answer starts at that of the road which the law finds", "[CTL-040]") {
+TEST_CASE("the filtered pole starts at that of the wheel which the law finds", "[CTL-040]") {
     SlipLaw law(exact_law(), kPeriod_s);
     law.start(at_rest(40.0F, 0.2F, -60.0F));
     // 45 1/s faster than is held, from the first period on.
@@ -302,7 +302,7 @@ TEST_CASE("the reference retreats while the wheel runs away, and comes back", "[
     CHECK(run(law, 500.0F, 0.05F, 10'000) == Approx(0.2));
 }
 
-TEST_CASE("a slip that stays at its reference is held, whatever the answer seems to be", "[CTL-040]") {
+TEST_CASE("a slip that stays at its reference is held, whatever the pole seems to be", "[CTL-040]") {
     SlipConfig c = exact_law();
     c.max_held_slip_error = 0.01F;
     SlipLaw law = settled(c, 0.2F);
@@ -317,7 +317,7 @@ TEST_CASE("a slip that stays at its reference is held, whatever the answer seems
 }
 
 TEST_CASE(
-    "slip beyond 0.05 above the reference in force takes it back in proportion, whatever the answer seems to "
+    "slip beyond 0.05 above the reference in force takes it back in proportion, whatever the pole seems to "
     "be",
     "[CTL-040]") {
     SlipLaw law = settled(exact_law(), 0.2F);

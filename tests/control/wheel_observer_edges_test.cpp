@@ -46,17 +46,17 @@ TEST_CASE("an observer whose wheel fell faster than any can is led back by spars
         radps += gains_radps2 * EncodedWheel::kStep_s;
         b.turn(radps, 0.0);
         CAPTURE(i);
-        REQUIRE(b.observer.answer_per_s() < 500.0F);
+        REQUIRE(b.observer.wheel_pole_radps() < 500.0F);
         if (i > 200) REQUIRE(static_cast<double>(b.observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
     }
 }
 
 TEST_CASE("edges of a wheel that creeps, far apart, do not read as a wheel that turns with the aircraft", "[CTL-300]") {
     const double creeps_radps = GENERATE(2.0, 3.7, 6.0);
-    const double answer_noise = GENERATE(3.4, 4.2, 8.0);
-    CAPTURE(creeps_radps, answer_noise);
+    const double pole_noise = GENERATE(3.4, 4.2, 8.0);
+    CAPTURE(creeps_radps, pole_noise);
     ObserverConfig config = fixed_config().observer;
-    config.answer_noise = static_cast<float>(answer_noise);
+    config.pole_noise = static_cast<float>(pole_noise);
     EncodedWheel b(config);
     for (int i = 0; i < 300; ++i) b.turn(38.0, 0.0);
     for (int i = 0; i < 8; ++i) b.turn(std::max(38.0 - 5.0 * i, creeps_radps), 8000.0);

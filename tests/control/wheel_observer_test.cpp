@@ -1,4 +1,4 @@
-// The wheel's observer against wheels whose road answers as it is told to, integrated by themselves.
+// The wheel's observer against wheels with a given pole, integrated by themselves.
 #include "firmware/control/wheel_observer.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr double kSteady_radps2 = -20.0;
 
 /// omega_dot = tau - u, tau_dot = a (u + steady - tau) in double, a hundred steps of the trapezoidal kind a period.
 struct Wheel {
-    double answer_per_s = 0.0;
+    double wheel_pole_radps = 0.0;
     double omega_radps = 150.0, road_radps2 = 3000.0;
 
     /// Mean speed of the period.
@@ -29,9 +29,9 @@ struct Wheel {
         const double before = omega_radps;
         double angle = 0.0;
         for (int i = 0; i < kParts; ++i) {
-            const double decays = std::exp(-answer_per_s * h);
+            const double decays = std::exp(-wheel_pole_radps * h);
             const double excess = road_radps2 - brake_radps2 - kSteady_radps2;
-            const double acts = answer_per_s == 0.0 ? h : (1.0 - decays) / answer_per_s;
+            const double acts = wheel_pole_radps == 0.0 ? h : (1.0 - decays) / wheel_pole_radps;
             const double next = omega_radps + excess * acts + kSteady_radps2 * h;
             angle += 0.5 * (omega_radps + next) * h;
             omega_radps = next;
@@ -42,7 +42,7 @@ struct Wheel {
     }
 };
 
-/// The brake swings about what the road gives: without that nothing tells the road's answer.
+/// The brake swings about what the road gives: without that nothing tells the pole.
 double brake_radps2(double mean, int i) {
     return mean + 400.0 * std::sin(0.11 * i) + 250.0 * std::sin(0.031 * i);
 }
@@ -65,34 +65,34 @@ WheelObserver started(double radps) {
 
 }  // namespace
 
-TEST_CASE("speed, road torque and the road's answer are found", "[CTL-300]") {
-    const double answer = GENERATE(1500.0, 300.0, 60.0, 0.0, -15.0);
-    Wheel wheel{.answer_per_s = answer};
+TEST_CASE("speed, road torque and the wheel's pole are found", "[CTL-300]") {
+    const double pole = GENERATE(1500.0, 300.0, 60.0, 0.0, -15.0);
+    Wheel wheel{.wheel_pole_radps = pole};
     WheelObserver observer = started(wheel.omega_radps);
     double sum = 0.0;
     int counted = 0;
     for (int i = 0; i < 3000; ++i) {
         // A wheel that runs away is held where it is, as a law does.
-        const double held = answer < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
-        const double brake = brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
+        const double held = pole < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
+        const double brake = brake_radps2(pole > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
         const double mean = wheel.turn(brake);
         observer.update(reading(mean), drive(brake));
         if (i < 1000) continue;
-        sum += static_cast<double>(observer.answer_per_s());
+        sum += static_cast<double>(observer.wheel_pole_radps());
         ++counted;
         CHECK(std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps) < 1.5);
         CHECK(std::abs(static_cast<double>(observer.motion().road_radps2) - wheel.road_radps2) < 450.0);
     }
-    INFO(answer << " 1/s, found " << sum / counted);
-    CHECK(sum / counted == Approx(answer).epsilon(0.3).margin(12.0));
+    INFO(pole << " 1/s, found " << sum / counted);
+    CHECK(sum / counted == Approx(pole).epsilon(0.3).margin(12.0));
 }
 
-TEST_CASE("an answer without noise is known, and stays what it is", "[CTL-300]") {
+TEST_CASE("a pole without noise is known, and stays what it is", "[CTL-300]") {
     ObserverConfig known = fixed_config().observer;
-    known.answer_noise = 0.0F;
-    known.answer_floor_per_s = 600.0F;
+    known.pole_noise = 0.0F;
+    known.pole_floor_radps = 600.0F;
     WheelObserver observer(known, fixed_config().wheel, 1e-3F);
-    Wheel wheel{.answer_per_s = 300.0};
+    Wheel wheel{.wheel_pole_radps = 300.0};
     observer.update(reading(wheel.omega_radps), drive(0.0));
     float max = 0.0F, min = 1e6F;
     bool told = false;
@@ -101,8 +101,8 @@ TEST_CASE("an answer without noise is known, and stays what it is", "[CTL-300]")
         const double brake = brake_radps2(3000.0, i);
         observer.update(reading(wheel.turn(brake)), drive(brake));
         told = told || observer.another_road();
-        max = std::max(max, observer.answer_per_s());
-        min = std::min(min, observer.answer_per_s());
+        max = std::max(max, observer.wheel_pole_radps());
+        min = std::min(min, observer.wheel_pole_radps());
         if (i > 100 && (i < 700 || i > 800)) CHECK(std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps) < 1.5);
     }
     CHECK(told);
@@ -141,7 +141,7 @@ TEST_CASE("the observer begins at the first reading, and anew with its validity"
     CHECK(observer.motion().omega_radps == 0.0F);
     observer.update(reading(150.0), drive(0.0));
     CHECK(observer.motion().omega_radps == 150.0F);
-    CHECK(observer.answer_per_s() == 50.0F);
+    CHECK(observer.wheel_pole_radps() == 50.0F);
     for (int i = 0; i < 100; ++i) observer.update(reading(150.0), drive(0.0));
     CHECK(observer.motion().omega_radps == Approx(150.0).epsilon(1e-3));
     SpeedReading invalid = reading(150.0);
@@ -149,7 +149,7 @@ TEST_CASE("the observer begins at the first reading, and anew with its validity"
     observer.update(invalid, drive(0.0));
     CHECK(observer.motion().omega_radps == 0.0F);
     CHECK(observer.motion().road_radps2 == 0.0F);
-    CHECK(observer.answer_per_s() == 50.0F);
+    CHECK(observer.wheel_pole_radps() == 50.0F);
     observer.update(reading(80.0), drive(0.0));
     CHECK(observer.motion().omega_radps == 80.0F);
 }
@@ -200,8 +200,8 @@ TEST_CASE("no reading leaves an observer that the next ones do not lead back", "
         REQUIRE(std::isfinite(observer.motion().omega_radps));
         REQUIRE(observer.motion().omega_radps >= 0.0F);
         REQUIRE(std::abs(observer.motion().road_radps2) <= 40'000.0F);  // 30,000, and a period of running away
-        REQUIRE(observer.answer_per_s() >= -60.0F);
-        REQUIRE(observer.answer_per_s() <= 6000.0F);
+        REQUIRE(observer.wheel_pole_radps() >= -60.0F);
+        REQUIRE(observer.wheel_pole_radps() <= 6000.0F);
     }
     for (int i = 0; i < 1000; ++i) observer.update(reading(120.0), {});
     CHECK(observer.motion().omega_radps == Approx(120.0).epsilon(1e-3));
@@ -209,17 +209,17 @@ TEST_CASE("no reading leaves an observer that the next ones do not lead back", "
 
 TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[CTL-300]") {
     // On the steep side, then the grip is gone: nothing that was learnt of the road holds any more.
-    Wheel wheel{.answer_per_s = 800.0};
+    Wheel wheel{.wheel_pole_radps = 800.0};
     WheelObserver observer = started(wheel.omega_radps);
     for (int i = 0; i < 1000; ++i) {
         const double brake = brake_radps2(3000.0, i);
         observer.update(reading(wheel.turn(brake)), drive(brake));
         if (i > 100) REQUIRE_FALSE(observer.another_road());
     }
-    REQUIRE(observer.answer_per_s() > 300.0F);
-    const float known = observer.answer_variance_per_s2();
+    REQUIRE(observer.wheel_pole_radps() > 300.0F);
+    const float known = observer.wheel_pole_variance_radps2();
     CHECK(known > 0.0F);
-    wheel.answer_per_s = 0.0;
+    wheel.wheel_pole_radps = 0.0;
     wheel.road_radps2 = 200.0;
     double worst = 0.0;
     int told = 0;
@@ -232,7 +232,7 @@ TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[
     CHECK(told >= 1);
     CHECK(told < 5);
     CHECK(worst < 5.0);
-    CHECK(observer.answer_per_s() < 60.0F);
+    CHECK(observer.wheel_pole_radps() < 60.0F);
 }
 
 TEST_CASE("a released wheel that gains speed between sparse edges is followed", "[CTL-300]") {
@@ -257,8 +257,8 @@ TEST_CASE("a released wheel that gains speed between sparse edges is followed", 
     for (int i = 0; i < 400; ++i) {
         radps += gains_radps2 * kOnce_s;
         turn(radps, 0.0);
-        CAPTURE(i, observer.answer_per_s());
-        REQUIRE(observer.answer_per_s() < 500.0F);
+        CAPTURE(i, observer.wheel_pole_radps());
+        REQUIRE(observer.wheel_pole_radps() < 500.0F);
         if (i > 150) REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
         if (i > 300) REQUIRE(static_cast<double>(observer.motion().road_radps2) == Approx(gains_radps2).epsilon(0.25));
     }
@@ -266,7 +266,7 @@ TEST_CASE("a released wheel that gains speed between sparse edges is followed", 
 
 namespace {
 
-using Vector = std::array<double, 3>;  // speed, road torque, answer
+using Vector = std::array<double, 3>;  // speed, road torque, pole
 using Matrix = std::array<Vector, 3>;
 
 /// The same filter by the textbook: full matrices in double, derivatives by differences.
@@ -287,8 +287,8 @@ struct Textbook {
             for (std::size_t row = 0; row < 3; ++row) f[row][column] = (up[row] - down[row]) / (2.0 * step);
         }
         const ObserverConfig c = fixed_config().observer;
-        const double answer_noise = static_cast<double>(c.answer_noise) * (std::abs(x[2]) + static_cast<double>(c.answer_floor_per_s));
-        const Vector noise{1.0, static_cast<double>(c.road_noise_radps2), answer_noise};
+        const double pole_noise = static_cast<double>(c.pole_noise) * (std::abs(x[2]) + static_cast<double>(c.pole_floor_radps));
+        const Vector noise{1.0, static_cast<double>(c.road_noise_radps2), pole_noise};
         Matrix next{};
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = 0; j < 3; ++j)
@@ -319,20 +319,20 @@ struct Textbook {
 }  // namespace
 
 TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") {
-    const double answer = GENERATE(800.0, 100.0, -15.0);
-    CAPTURE(answer);
+    const double pole = GENERATE(800.0, 100.0, -15.0);
+    CAPTURE(pole);
     ObserverConfig config = fixed_config().observer;
     config.max_mean_innovation = 1e6F;  // the textbook knows no other road
     WheelObserver observer(config, fixed_config().wheel, 1e-3F);
-    Wheel wheel{.answer_per_s = answer};
+    Wheel wheel{.wheel_pole_radps = pole};
     observer.update(reading(wheel.omega_radps), drive(0.0));
     Textbook textbook{.x = {wheel.omega_radps, 0.0, 50.0}, .p = {}};
     textbook.p[0][0] = 10.0 * 10.0;
     textbook.p[1][1] = 100.0 * 100.0;
     textbook.p[2][2] = 50.0 * 50.0;
     for (int i = 0; i < 400; ++i) {
-        const double held = answer < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
-        const double brake = brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
+        const double held = pole < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
+        const double brake = brake_radps2(pole > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
         const double mean = wheel.turn(brake);
         observer.update(reading(mean), drive(brake));
         textbook.predict(brake, kSteady_radps2);
@@ -340,6 +340,6 @@ TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") 
         CAPTURE(i);
         REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(textbook.x[0]).epsilon(1e-4));
         REQUIRE(static_cast<double>(observer.motion().road_radps2) == Approx(textbook.x[1]).epsilon(2e-3).margin(2.0));
-        REQUIRE(static_cast<double>(observer.answer_per_s()) == Approx(textbook.x[2]).epsilon(5e-3).margin(0.3));
+        REQUIRE(static_cast<double>(observer.wheel_pole_radps()) == Approx(textbook.x[2]).epsilon(5e-3).margin(0.3));
     }
 }

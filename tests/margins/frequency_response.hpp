@@ -116,7 +116,7 @@ class FrozenStop {
         return swing(0.0) / before;
     }
 
-    /// Where the law's command ends, over the pressure of the equilibrium, when `kick_Pa` was added to one command and no sensor answers to any.
+    /// Where the law's command ends, over the pressure of the equilibrium, when `kick_Pa` was added to one command and no sensor reacts to any.
     double alone(double kick_Pa, double seconds) {
         deaf_ = true;
         command_Pa_ += kick_Pa;
@@ -124,8 +124,8 @@ class FrozenStop {
         return command_Pa_ / at_.pressure_Pa;
     }
 
-    /// What the observer takes the road's answer for.
-    [[nodiscard]] double answer_per_s() const { return static_cast<double>(estimator_.estimate().answer_per_s); }
+    /// What the observer takes the wheel's pole for.
+    [[nodiscard]] double wheel_pole_radps() const { return static_cast<double>(estimator_.estimate().wheel_pole_radps); }
     [[nodiscard]] double slip() const { return slip_; }
     [[nodiscard]] double pressure_Pa() const { return valve_.pressure_Pa(); }
 

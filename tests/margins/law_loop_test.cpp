@@ -28,10 +28,10 @@ double speed_at(const plant_sim::StopInputs& s, double periods) {
     return v;
 }
 
-/// A controller whose observer knows the road's answer and does not learn it, and whose reference does not retreat: the loop is linear then.
+/// A controller whose observer knows the wheel's pole and does not learn it, and whose reference does not retreat: the loop is linear then.
 antiskid::control::Config knowing(antiskid::control::Config config, const OperatingPoint& at) {
-    config.observer.answer_noise = 0.0F;
-    config.observer.answer_floor_per_s = static_cast<float>(2.0 * at.wheel_pole_radps(Linearisation::full));
+    config.observer.pole_noise = 0.0F;
+    config.observer.pole_floor_radps = static_cast<float>(2.0 * at.wheel_pole_radps(Linearisation::full));
     config.slip.runaway_per_s = 1e3F;
     return config;
 }
@@ -95,11 +95,11 @@ TEST_CASE("where the wheel is faster than the loop, feed-forward and proportiona
     int counted = 0;
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "damp_asphalt"}) {
         const plant_sim::StopInputs s = scenario(surface);
-        for (const float k_answer : {0.0F, 0.1F, 0.3F}) {
+        for (const float k_pole : {0.0F, 0.1F, 0.3F}) {
             for (const float derivatives : {1.0F, 0.8F}) {
                 antiskid::control::Config c = s.controller;
                 c.estimator.valve_offset_radps = 0.0F;
-                c.slip.k_answer = k_answer;
+                c.slip.k_pole = k_pole;
                 c.slip.k_d *= derivatives;
                 c.slip.k_dd_s *= derivatives;
                 for (const double v : {5.0, 6.0, 7.0}) {
@@ -107,8 +107,8 @@ TEST_CASE("where the wheel is faster than the loop, feed-forward and proportiona
                     const double pole = at.wheel_pole_radps(Linearisation::full);
                     if (pole < 1000.0) continue;
                     const Margins m = margins(SampledLoop(law_system(c, s.plant.rig, at, Linearisation::full)));
-                    const double creep_dB = creep_margin_dB(pole, static_cast<double>(k_answer), static_cast<double>(c.slip.k_p_per_s));
-                    INFO(surface << ", " << v << " m/s, pole " << pole << ", k_answer " << k_answer << ", derivatives times " << derivatives << ": "
+                    const double creep_dB = creep_margin_dB(pole, static_cast<double>(k_pole), static_cast<double>(c.slip.k_p_per_s));
+                    INFO(surface << ", " << v << " m/s, pole " << pole << ", k_pole " << k_pole << ", derivatives times " << derivatives << ": "
                                  << m.gain_up_dB << " dB, creep " << creep_dB);
                     REQUIRE(m.stable);
                     CHECK(m.gain_up_dB < creep_dB + 0.5);

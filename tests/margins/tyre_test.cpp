@@ -197,8 +197,8 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
         rig.wheel.mass_kg = kNoAircraft_kg;
         const OperatingPoint at = operating_point(rig, r.speed_mps, r.slip);
         antiskid::control::Config config = s.controller;
-        config.observer.answer_noise = 0.0F;
-        config.observer.answer_floor_per_s = static_cast<float>(2.0 * at.wheel_pole_radps(Linearisation::full));
+        config.observer.pole_noise = 0.0F;
+        config.observer.pole_floor_radps = static_cast<float>(2.0 * at.wheel_pole_radps(Linearisation::full));
         config.slip.runaway_per_s = 1e3F;
         const SampledLoop loop(law_system(config, rig, at, Linearisation::full));
         REQUIRE(margins(loop).stable);

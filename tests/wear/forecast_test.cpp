@@ -174,7 +174,7 @@ TEST_CASE("a back-test forecasts each brake once at each share of its life", "[W
     const auto life = brake.life(0.2);
     REQUIRE(life.has_value());
     wear::ForecastSettings s = with_limit(0.2);
-    s.draws = 50;
+    s.draws = 100;
     s.horizon = 2000;
     const wear::BackTest t = wear::back_test(shipped_population(), {{std::move(brake.campaign), *life}}, s);
     for (const wear::BackTestRow& row : t.rows) CHECK(row.asked == 1);

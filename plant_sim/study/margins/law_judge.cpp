@@ -28,7 +28,7 @@ constexpr std::array<Gain, 8> kGains{{
     {"k_i_per_s2", &SlipConfig::k_i_per_s2},
     {"k_d", &SlipConfig::k_d},
     {"k_dd_s", &SlipConfig::k_dd_s},
-    {"k_answer", &SlipConfig::k_answer},
+    {"k_pole", &SlipConfig::k_pole},
     {"low_speed_mps", &SlipConfig::low_speed_mps},
     {"low_speed_floor_mps", &SlipConfig::low_speed_floor_mps},
     {"low_speed_slip", &SlipConfig::low_speed_slip},

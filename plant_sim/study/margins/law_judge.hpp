@@ -44,7 +44,7 @@ class LawJudge {
     mutable std::vector<std::atomic<unsigned>> ended_;
 };
 
-/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, k_answer, the three parameters of the fall at low speed. Not included: the
+/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, k_pole, the three parameters of the fall at low speed. Not included: the
 /// parameters of the retreat, on which no margin depends, and the observer.
 [[nodiscard]] std::vector<std::string> gain_names();
 [[nodiscard]] std::vector<double> gains_of(const antiskid::control::Config& config);

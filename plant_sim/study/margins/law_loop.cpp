@@ -89,7 +89,7 @@ std::size_t whole_periods(double delay_s, double period_s) {
 class Period {
   public:
     Period(const antiskid::control::Config& config, const rig::RigParameters& rig, const OperatingPoint& at, Linearisation linearisation,
-           std::optional<double> answer_per_s)
+           std::optional<double> wheel_pole_radps)
         : law_(config.slip), h_(static_cast<double>(config.period_s)) {
         const auto& valve = config.valve;
         const double delay = static_cast<double>(valve.delay_s);
@@ -107,9 +107,9 @@ class Period {
         edge_age_ = reading_every_ == 1 ? std::min(edge_s / h_, 1.0) / 2.0 : 0.5;
         const double interval = static_cast<double>(reading_every_) * h_;
         reading_age_ = 0.5 * (interval + h_);
-        answer_ = answer_per_s.value_or(at.wheel_pole_radps(linearisation));
-        believed_ = answer_ > 0.0 ? static_cast<double>(config.observer.prediction_share) * answer_ : answer_;
-        gain_ = static_cast<double>(law_.k_p_per_s) + static_cast<double>(law_.k_answer) * std::max(answer_, 0.0);
+        pole_ = wheel_pole_radps.value_or(at.wheel_pole_radps(linearisation));
+        believed_ = pole_ > 0.0 ? static_cast<double>(config.observer.prediction_share) * pole_ : pole_;
+        gain_ = static_cast<double>(law_.k_p_per_s) + static_cast<double>(law_.k_pole) * std::max(pole_, 0.0);
         correct_ = steady_gains(config, interval);
         deceleration_per_s_ = at.deceleration_mps2 / at.speed_mps;
 
@@ -145,13 +145,13 @@ class Period {
     struct Motion {
         double slip, road;  // road: slip rate by the road
     };
-    [[nodiscard]] Motion moved(const Motion& from, double pressed, double steady, double answer) const {
-        const double change = acting_s(answer) * (from.road + pressed - steady);
-        return {from.slip + change + steady * h_, from.road - answer * change};
+    [[nodiscard]] Motion moved(const Motion& from, double pressed, double steady, double pole) const {
+        const double change = acting_s(pole) * (from.road + pressed - steady);
+        return {from.slip + change + steady * h_, from.road - pole * change};
     }
-    [[nodiscard]] double acting_s(double answer) const { return answer > 0.0 ? h_ / (1.0 + answer * h_) : h_; }
+    [[nodiscard]] double acting_s(double pole) const { return pole > 0.0 ? h_ / (1.0 + pole * h_) : h_; }
 
-    /// Gains of the settled observer: at the equilibrium nothing reveals the answer, and speed and road form a linear filter.
+    /// Gains of the settled observer: at the equilibrium nothing reveals the pole, and speed and road form a linear filter.
     struct Gains {
         double slip = 0.0, road = 0.0;
     };
@@ -161,9 +161,9 @@ class Period {
         const double tooth = static_cast<double>(o.reading_noise) * pitch_rad / interval_s;
         const double variance = tooth * tooth + kClockNoise_radps * kClockNoise_radps;
         const double road = static_cast<double>(o.road_noise_radps2);
-        const double f = acting_s(answer_);
+        const double f = acting_s(pole_);
         Matrix2d moves, noise;
-        moves << 1.0, f, 0.0, 1.0 - answer_ * f;
+        moves << 1.0, f, 0.0, 1.0 - pole_ * f;
         noise << kSpeedNoise * kSpeedNoise * h_, 0.0, 0.0, road * road * h_;
         const Vector2d sees{1.0, -reading_age_};
         Matrix2d p = Matrix2d::Identity();
@@ -207,7 +207,7 @@ class Period {
         valve[1] += correct_r_ * innovation;
 
         Motion motion{x[v + 2], x[v + 3]};
-        motion = moved(motion, 0.5 * (before + valve[0]), -deceleration_per_s_ * motion.slip, answer_);
+        motion = moved(motion, 0.5 * (before + valve[0]), -deceleration_per_s_ * motion.slip, pole_);
         if (new_reading) {
             const double slip_innovation = reading(x) - (motion.slip - (motion.road + valve[0]) * reading_age_);
             motion.slip += correct_.slip * slip_innovation;
@@ -255,7 +255,7 @@ class Period {
     std::size_t whole_ = 0, pipe_ = 0, reading_every_ = 1;
     double part_ = 0.0;
     double correct_p_ = 0.0, correct_r_ = 0.0, correct_offset_ = 0.0;
-    double answer_ = 0.0, believed_ = 0.0, gain_ = 0.0;
+    double pole_ = 0.0, believed_ = 0.0, gain_ = 0.0;
     Gains correct_;
     double edge_age_ = 0.0, reading_age_ = 0.0, deceleration_per_s_ = 0.0;
     Lag model_;
@@ -266,8 +266,8 @@ class Period {
 }  // namespace
 
 PeriodicSystem law_system(const antiskid::control::Config& config, const rig::RigParameters& rig, const OperatingPoint& at,
-                          Linearisation linearisation, std::optional<double> answer_per_s) {
-    const Period period(config, rig, at, linearisation, answer_per_s);
+                          Linearisation linearisation, std::optional<double> wheel_pole_radps) {
+    const Period period(config, rig, at, linearisation, wheel_pole_radps);
     const Index n = period.size();
     PeriodicSystem s;
     s.period_s = static_cast<double>(config.period_s);

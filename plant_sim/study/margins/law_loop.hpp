@@ -6,8 +6,8 @@
 /// margins() uses its N characteristic loci. A gain error in front of L stands for one of valve gain, of brake gain (to first order) or of the
 /// current map.
 ///
-/// The observer is taken as settled, with the road's answer known: the pole of the rigid wheel, also for a compliant tyre (which is what the observer
-/// sees below the tyre's mode). Neglected are: learning and forgetting of the answer; limits of pressure, slip rate and integral, the retreat of the
+/// The observer is taken as settled, with the wheel's pole known: that of the rigid wheel, also for a compliant tyre (which is what the observer
+/// sees below the tyre's mode). Neglected are: learning and forgetting of the pole; limits of pressure, slip rate and integral, the retreat of the
 /// reference and its rate limit; the chord of friction, which only matters below SlipConfig::earliest_peak_slip; noise, jitter and rounding; the
 /// change of the aircraft's speed and of its estimate; changes of load, radius and k_b while the loop settles; an edge interval that is not a whole
 /// number of periods (it is rounded) and its beat with the period; edges bound to the angle instead of time.
@@ -21,9 +21,9 @@
 
 namespace study::margins {
 
-/// Linearises controller `config` and plant `rig` at `at`. `answer_per_s`: the observer's estimate of the road's answer; none: the wheel's pole.
+/// Linearises controller `config` and plant `rig` at `at`. `wheel_pole_radps`: the observer's estimate; none: the true pole.
 [[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config, const rig::RigParameters& rig, const OperatingPoint& at,
-                                        Linearisation linearisation, std::optional<double> answer_per_s = {});
+                                        Linearisation linearisation, std::optional<double> wheel_pole_radps = {});
 
 /// Reference in force at a speed, see falling_reference() of slip_law.hpp.
 [[nodiscard]] double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference, double speed_mps);

@@ -24,8 +24,8 @@ Limits limits(double wheel_pole_radps, double delay_s, double period_s) {
     return l;
 }
 
-double creep_margin_dB(double wheel_pole_radps, double k_answer, double k_p_per_s) {
-    const double returned = wheel_pole_radps > 0.0 ? 1.0 - k_answer - k_p_per_s / wheel_pole_radps : 0.0;
+double creep_margin_dB(double wheel_pole_radps, double k_pole, double k_p_per_s) {
+    const double returned = wheel_pole_radps > 0.0 ? 1.0 - k_pole - k_p_per_s / wheel_pole_radps : 0.0;
     return returned > 0.0 ? -20.0 * std::log10(returned) : std::numeric_limits<double>::infinity();
 }
 

@@ -29,8 +29,8 @@ struct Limits {
 
 /// Upward gain margin, dB, in the brake's gain (or in the valve's, if its offset is not learnt), of feed-forward and proportional gain on a stable
 /// wheel that is faster than the loop. Slip and road torque then follow the pressure at once: for a pressure p the law requests p minus (k_p / a +
-/// k_answer) p, so that from a gain of 1 / (1 - k_answer - k_p / a) on the pressure creeps up. Derivative terms and estimator have no effect; the
-/// integral adds up to half a dB. Infinite if nothing creeps: past the peak, or with k_p / a + k_answer above 1.
-[[nodiscard]] double creep_margin_dB(double wheel_pole_radps, double k_answer, double k_p_per_s);
+/// k_pole) p, so that from a gain of 1 / (1 - k_pole - k_p / a) on the pressure creeps up. Derivative terms and estimator have no effect; the
+/// integral adds up to half a dB. Infinite if nothing creeps: past the peak, or with k_p / a + k_pole above 1.
+[[nodiscard]] double creep_margin_dB(double wheel_pole_radps, double k_pole, double k_p_per_s);
 
 }  // namespace study::margins
