@@ -1,7 +1,8 @@
 /// Estimates the braked wheel's speed, the road torque and the pole of slip: an extended Kalman filter on encoder readings and brake torque.
 ///
 /// State, all of the wheel: omega (rad/s); tau = r F_x / J_w (rad/s2); the wheel's pole a (rad/s), which is the slip damping of tyre and road over
-/// J_w: slip returns to its equilibrium as exp(-a t). With u = k_b P / J_w, and omega v_dot / v, the wheel acceleration at constant slip, eq. (1b) and (3) give
+/// J_w: slip returns to its equilibrium as exp(-a t). With u = k_b P / J_w, and omega v_dot / v, the wheel acceleration at constant slip, eq. (1b)
+/// and (3) give
 ///
 ///     omega_dot = tau - u        tau_dot = a (u + omega v_dot / v - tau)        a = F_z r^2 mu'(lambda) / (J_w v)
 ///
