@@ -146,7 +146,7 @@ TEST_CASE("a fault is put in as it is described", "[WEAR-060]") {
     CHECK(glazing.points[120].c_e_J == healthy.points[120].c_e_J);
 }
 
-TEST_CASE("with a single model its own brake is healthy for all of its life but by chance, and its drop is flagged", "[WEAR-060][statistics]") {
+TEST_CASE("with a single model its own brake is healthy for all of its life but by chance, and its drop is flagged", "[WEAR-060]") {
     const wear::Population p = wear::read_population("config/wear/model.json").population;
     int flagged = 0;
     for (std::uint64_t seed = 1001; seed <= 1020; ++seed) {
