@@ -27,7 +27,7 @@ constexpr double kDeviations[] = {4.65, 198.90, 0.18, 0.19, 5.46};
 
 }  // namespace
 
-TEST_CASE("Table III: over 20 maneuvers every mean within one printed standard deviation", "[STUDY-073]") {
+TEST_CASE("Table III: over 20 maneuvers every mean within one printed standard deviation", "[STUDY-073][figures]") {
     const auto seed = GENERATE(as<std::uint64_t>(), 1, 2, 3);
     CAPTURE(seed);
     const TemporaryDirectory directory;
@@ -40,7 +40,7 @@ TEST_CASE("Table III: over 20 maneuvers every mean within one printed standard d
     }
 }
 
-TEST_CASE("Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one", "[STUDY-073][statistics]") {
+TEST_CASE("Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one", "[STUDY-073][figures]") {
     const TemporaryDirectory directory;
     const CampaignResult result = campaign(directory / "campaign.sqlite", 500);
     REQUIRE(result.finished.size() == 500);

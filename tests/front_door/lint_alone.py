@@ -4,8 +4,9 @@
 A target's only file is alone there, too, and not compiled again, but for the benchmarks, which no other check compiles. Bodies of functions in system headers are left out (lint_own_bodies.cpp), and the
 test framework's header, a third of the time of a test, is compiled once for all tests: every test includes it, and nothing but them.
 
-usage: lint_alone.py BUILD_DIR     an ordinary build is configured in BUILD_DIR/alone
+An ordinary build is configured in BUILD_DIR/alone. With --one-in N one file in N is compiled, drawn by the commit (drawn.py).
 """
+import argparse
 import collections
 import concurrent.futures
 import json
@@ -15,6 +16,8 @@ import shlex
 import shutil
 import subprocess
 import sys
+
+from drawn import drawn
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMEWORK = ROOT / "tests/catch.hpp"
@@ -57,12 +60,21 @@ def target_of(entry):
     return words[words.index("-o") + 1].split(".dir/")[0]
 
 
+def name_of(entry):
+    """The file's, wherever the project lies."""
+    return os.path.relpath(entry["file"], ROOT)
+
+
 def is_test(entry):
     return '#include "tests/catch.hpp"' in pathlib.Path(entry["file"]).read_text()
 
 
 def main():
-    build = pathlib.Path(sys.argv[1]).resolve() / "alone"
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path, metavar="BUILD_DIR")
+    parser.add_argument("--one-in", type=int, default=1, metavar="N")
+    arguments = parser.parse_args()
+    build = arguments.build.resolve() / "alone"
     build.mkdir(parents=True, exist_ok=True)
     clang = compile_plugin(build)
     subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={clang[0]}", "-DANTISKID_BENCH=ON"],
@@ -70,13 +82,15 @@ def main():
     everything = [entry for entry in json.loads((build / "compile_commands.json").read_text())
                   if not pathlib.Path(entry["file"]).is_relative_to(build)]
     files = collections.Counter(map(target_of, everything))
-    entries = [entry for entry in everything if files[target_of(entry)] > 1 or "/plant_sim/bench/" in entry["file"]]
+    alone = [entry for entry in everything if files[target_of(entry)] > 1 or "/plant_sim/bench/" in entry["file"]]
+    chosen = drawn({name_of(entry) for entry in alone}, arguments.one_in)
+    entries = [entry for entry in alone if name_of(entry) in chosen]
     test = next(filter(is_test, entries), None)
     framework = precompile_framework(clang, test, build) if test else []
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         said = pool.map(lambda entry: compile_alone(clang, entry, framework if is_test(entry) else []), entries)
         complaints = [complaint for complaint in said if complaint]
-    print(*complaints, f"{len(entries)} files of {len(everything)}, {len(complaints)} do not compile by themselves", sep="\n")
+    print(*complaints, f"{len(entries)} files of {len(alone)}, {len(complaints)} do not compile by themselves", sep="\n")
     return 0 if entries and not complaints else 1
 
 

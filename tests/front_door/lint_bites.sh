@@ -8,7 +8,7 @@ done
 
 tree=$scratch/tree
 mkdir -p "$tree"/{firmware/control,tests/front_door,config,plant_sim,docs,.ci,build}
-cp "$here"/{lint_*,arrows.py,harness.bash,vcan_*.sh,verbs.sh} "$tree/tests/front_door"
+cp "$here"/{lint_*,arrows.py,drawn.py,harness.bash,vcan_*.sh,verbs.sh} "$tree/tests/front_door"
 mapfile -t parts < <(sed -n 's/^source "[$]root.\(.*\)"/\1/p' "$rig")
 (cd "$(dirname "$rig")" && cp --parents rig "${parts[@]}" "$tree")
 cp "$here"/../../.clang-{format,tidy} "$tree"
@@ -101,6 +101,12 @@ check "tidy: what only the analyser sees, in another file of the unit" refuses c
 printf "InheritParentConfig: true\nChecks: '-clang-analyzer-core.DivideZero'\n" >"$tree/firmware/control/.clang-tidy"
 check "tidy: checks of the files' own folder are in force" "$lints/lint_tidy.py" "$tree/build"
 rm "$tree/firmware/control/.clang-tidy"
+# A commit whose draw takes one name in 10^9: none of these.
+git -C "$tree" init -q
+git -C "$tree" -c user.name=seeded -c user.email=seeded@localhost commit -q --allow-empty -m seeded
+check "tidy: a unit that the commit does not draw is not followed" "$lints/lint_tidy.py" "$tree/build" --one-in 1000000000
+printf 'int seventh(const int* x) { return x == 0 ? 0 : *x; }\n' >"$tree/firmware/control/other.cpp"
+check "tidy: all other checks look at it" refuses modernize-use-nullptr "$lints/lint_tidy.py" "$tree/build" --one-in 1000000000
 
 clean
 check "alone: clean tree" "$lints/lint_alone.py" "$tree/build"

@@ -89,7 +89,7 @@ TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with t
     }
 }
 
-TEST_CASE("where the wheel is faster than the loop, feed-forward and proportional gain bound the upward margin", "[STUDY-123]") {
+TEST_CASE("where the wheel is faster than the loop, feed-forward and proportional gain bound the upward margin", "[STUDY-123][figures]") {
     // Late-peaking surfaces at low speed, a valve whose offset is not learnt. Neither derivative gains nor the rest of the estimator matter:
     // the integral adds up to half a dB.
     int counted = 0;

@@ -137,7 +137,7 @@ TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-123]") {
     }
 }
 
-TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-123]") {
+TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-123][figures]") {
     // Proportional gains alone come close to the phase limit only for slow poles; none may pass either limit.
     const double tau = 0.006;
     for (const double p : {5.0, 20.0, 60.0, 120.0}) {

@@ -41,7 +41,7 @@ class Worst {
 
 }  // namespace
 
-TEST_CASE("pressure profiles: speeds, energies and distances agree with the reference on all 32 scenarios", "[RIG-001][RIG-050]") {
+TEST_CASE("pressure profiles: speeds, energies and distances agree with the reference on all 32 scenarios", "[RIG-001][RIG-050][figures]") {
     Worst worst("pressure profiles, 1 ms");
     const auto scenarios = all_scenarios();
     REQUIRE(scenarios.size() == 32);

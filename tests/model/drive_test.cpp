@@ -107,7 +107,7 @@ TEST_CASE("drive: what is well-formed is read, with blank lines, spaces, CRLF an
     for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i][kTime] == Approx(0.0005 + 1e-3 * static_cast<double>(i)).epsilon(1e-12));
 }
 
-TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-001]") {
+TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-001][figures]") {
     for (const NamedScenario& s : all_scenarios()) {
         CAPTURE(s.name);
         const rig::RigParameters& rig = s.loaded.rig;

@@ -41,7 +41,7 @@ TEST_CASE("open loop: below the peak long steps agree with the reference, at the
     check_all(0, 2, OpenLoop::kCoarse);
 }
 
-TEST_CASE("open loop: locks and release too, at the tighter tolerance", "[RIG-001]") {
+TEST_CASE("open loop: locks and release too, at the tighter tolerance", "[RIG-001][figures]") {
     check_all(2, 2, OpenLoop::kFine);
 }
 

@@ -90,7 +90,7 @@ double worst_m(const Disturbance& disturbance) {
 
 }  // namespace
 
-TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.16 m of a listener's", "[BRG-200]") {
+TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.16 m of a listener's", "[BRG-200][figures]") {
     for (const Disturbance& d : {Disturbance{}, Disturbance{.lost = 0.001}, Disturbance{.lost = 0.01}, Disturbance{.lost = 0.05},
                                  Disturbance{.twice = 0.2}, Disturbance{.late = 0.01, .late_ms = 2.0}, Disturbance{.late = 0.1, .late_ms = 2.0},
                                  Disturbance{.lost = 0.005, .twice = 0.005, .late = 1.0, .late_ms = 2.0}}) {

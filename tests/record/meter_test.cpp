@@ -65,7 +65,7 @@ TEST_CASE("a maneuver in closed form: every figure, by SYNC and by stamps", "[BR
     check(hard, measure(Recording(hard, true)), 0.0);
 }
 
-TEST_CASE("standstill is found within 20 ms, without bias, wherever the teeth stand", "[BRG-200]") {
+TEST_CASE("standstill is found within 20 ms, without bias, wherever the teeth stand", "[BRG-200][figures]") {
     struct Case {
         const char* what;
         double a1, a2, standstill_s, jitter_s, slowest_edges_hz, pitch_error;

@@ -136,7 +136,7 @@ TEST_CASE("endurance stops: the meter's figures are the plant's", "[BRG-200]") {
     }
 }
 
-TEST_CASE("where load cells or encoders are silent, the speeds say what the brake took, and that is said", "[BRG-200]") {
+TEST_CASE("where load cells or encoders are silent, the speeds say what the brake took, and that is said", "[BRG-200][figures]") {
     std::vector<plant_sim::StopOptions> stops{scenarios::options({"dry_asphalt", "endurance"}, "deceleration")};
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow"})
         for (const char* maneuver : {"light", "heavy"}) stops.push_back(scenarios::options({surface, maneuver}));

@@ -113,7 +113,7 @@ TEST_CASE("what a policy loses, landing by landing, is how far its cost lies abo
     }
 }
 
-TEST_CASE("with the shipped plan's surfaces and prices the grid is fine enough", "[STUDY-169]") {
+TEST_CASE("with the shipped plan's surfaces and prices the grid is fine enough", "[STUDY-169][figures]") {
     const wear::RegulationConfig config = wear::load_regulation_config("config/regulation.toml");
     BoundProblem problem{.table = config.floor,
                          .allowed = {},

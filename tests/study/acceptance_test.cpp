@@ -39,7 +39,7 @@ TEST_CASE("the same holds with another seed of every sensor", "[STUDY-001]") {
     CHECK(sum / 32.0 >= 0.958);
 }
 
-TEST_CASE("the slip law beats the threshold law on every surface whose friction at 0.24 lets it", "[STUDY-001]") {
+TEST_CASE("the slip law beats the threshold law on every surface whose friction at 0.24 lets it", "[STUDY-001][figures]") {
     struct Sums {
         double j_mu = 0.0;
         double distance_m = 0.0;

@@ -41,7 +41,7 @@ wear::ForecastSettings with_limit(double limit) {
 
 }  // namespace
 
-TEST_CASE("the table of a mean curve is the model's conditional mean, beyond the data too", "[WEAR-050]") {
+TEST_CASE("the table of a mean curve is the model's conditional mean, beyond the data too", "[WEAR-050][figures]") {
     const wear::Model model = wear::read_population("config/wear/model.json").population.models.at(0);
     const wear::MeanCurve curve(model);
     for (double c_e_J = 0.0; c_e_J < 900e6; c_e_J += 3.7e6) {
@@ -181,7 +181,7 @@ TEST_CASE("a back-test forecasts each brake once at each share of its life", "[W
     CHECK(t.pooled.asked == t.rows.size());
 }
 
-TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interval holds 70 to 90 %", "[WEAR-050][statistics]") {
+TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interval holds 70 to 90 %", "[WEAR-050][figures]") {
     // The population was learnt from the brakes of seeds 1000 to 1039; the truth here is the law's own friction without scatter.
     constexpr double kLimit = 0.2;
     std::vector<wear::HeldOut> brakes;

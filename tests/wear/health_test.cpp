@@ -27,7 +27,7 @@ std::vector<wear::Campaign> fleet(std::uint64_t first, std::uint64_t count) {
 
 }  // namespace
 
-TEST_CASE("scores of healthy brakes are standard normal", "[WEAR-060]") {
+TEST_CASE("scores of healthy brakes are standard normal", "[WEAR-060][figures]") {
     double n = 0.0;
     double sum = 0.0;
     double squares = 0.0;
@@ -58,7 +58,7 @@ TEST_CASE("a trial counts each of its brakes", "[WEAR-060]") {
     CHECK(dropped.flagged == dropped.campaigns);
 }
 
-TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060][statistics]") {
+TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060][figures]") {
     const wear::HealthyTrial t = wear::try_healthy(shipped_population(), fleet(80000, 100));
     CHECK(t.campaigns == 100);
     CHECK(t.maneuvers > 40000);
@@ -68,7 +68,7 @@ TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060][statistics]")
     CHECK(static_cast<double>(t.suspected_maneuvers) < 0.02 * static_cast<double>(t.maneuvers));
 }
 
-TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the stated number of maneuvers", "[WEAR-060][statistics]") {
+TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the stated number of maneuvers", "[WEAR-060][figures]") {
     const std::vector<wear::Campaign> healthy = fleet(80000, 60);
     struct Promise {
         Fault fault;
