@@ -1,0 +1,27 @@
+#!/usr/bin/python3
+"""Which tests have sanitizers: all of them, or the half that a text draws. [DOOR-060]
+
+usage: sanitizers_drawn.py FOLDER     the build with the address sanitizer is configured in FOLDER
+"""
+import sys
+
+from lint_tidy import ROOT, output_of
+from tiers import check, listed
+
+
+def drawn_by(text, folder):
+    output_of(["cmake", "--preset", "asan", "-S", ROOT, "-B", folder, f"-DANTISKID_DRAW={text}"])
+    return listed(folder, "-L", "^inprocess$").keys()
+
+
+def main():
+    folder = sys.argv[1]
+    every, one, same, other = (drawn_by(text, folder) for text in ("", "one", "one", "another"))
+    check("nothing is drawn without a text", len(every) > 100, len(every))
+    check("half is, about", one < every and other < every and 0.3 < len(one) / len(every) < 0.7, (len(one), len(every)))
+    check("the same text draws the same", one == same)
+    check("another draws others", one != other and len(one | other) > len(one))
+
+
+if __name__ == "__main__":
+    main()
