@@ -8,7 +8,7 @@
 #include "plant_sim/study/team/shared_work.hpp"
 #include "tests/catch.hpp"
 
-TEST_CASE("the sweep shows what the paper's does: J_mu at 0.24, the trends of Fig. 13, the energies of Fig. 14", "[STUDY-148][figures]") {
+TEST_CASE("the sweep shows what the paper's does: J_mu at 0.24, the trends of Fig. 13, the energies of Fig. 14", "[STUDY-148]") {
     sweep::SweepPlanOptions options;
     options.references = {0.06, 0.1, 0.15, 0.2, 0.24, 0.3, 0.36, 0.44};
     options.landings = 40;
