@@ -192,25 +192,26 @@ void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::mo
 }
 
 /// Writes the brake's state after each maneuver. Called by the reporter's thread.
-class BrakeKeeper {
+class BrakeStateFile {
   public:
-    BrakeKeeper(const Options& options, const wear::WearingBrake& brake) : file_(options.brake.state), brake_(brake), said_(brake.extrapolates()) {}
+    BrakeStateFile(const Options& options, const wear::WearingBrake& brake)
+        : file_(options.brake.state), brake_(brake), warned_(brake.extrapolates()) {}
 
     /// Returns text for the report.
-    std::string keep(const wear::BrakeState& state) {
+    std::string write(const wear::BrakeState& state) {
         std::string text;
         if (!file_.empty()) {
             try {
                 wear::write_brake_state(file_, state, brake_.wear());
                 failed_ = false;
             } catch (const settings::Error& e) {
-                text = fmt::format("the brake's state could not be kept: {}", e.what());
+                text = fmt::format("the brake's state could not be written: {}", e.what());
                 failed_ = true;
             }
         }
         const std::string beyond = extrapolation_notice({brake_.wear(), brake_.rule(), state});
-        if (!beyond.empty() && !said_) text += (text.empty() ? "" : "; ") + beyond;
-        said_ = !beyond.empty();
+        if (!beyond.empty() && !warned_) text += (text.empty() ? "" : "; ") + beyond;
+        warned_ = !beyond.empty();
         return text;
     }
     [[nodiscard]] bool failed() const { return failed_; }
@@ -218,12 +219,12 @@ class BrakeKeeper {
   private:
     std::filesystem::path file_;
     wear::WearingBrake brake_;
-    bool said_;
+    bool warned_;
     bool failed_ = false;
 };
 
 int run(const Options& o, const Served& s) {
-    BrakeKeeper keeper(o, *s.rig.brake);
+    BrakeStateFile state_file(o, *s.rig.brake);
     if (const std::string beyond = extrapolation_notice(*s.rig.brake); !beyond.empty()) fmt::print(stderr, "virtual-rig: {}\n", beyond);
     antiskid::host::StopSignals signals;
     std::optional<ServePanel> panel;
@@ -247,7 +248,7 @@ int run(const Options& o, const Served& s) {
     {
         const ServeReporter reporter(
             node, bus, o.interface, s.rig.period_s, [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); },
-            [&keeper](const wear::BrakeState& brake) { return keeper.keep(brake); });
+            [&state_file](const wear::BrakeState& brake) { return state_file.write(brake); });
         if (o.clock == "sync") {
             node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}),
                               {.done = [&server] { return server.bridge_turn(); }, .start_together = o.together});
@@ -257,7 +258,7 @@ int run(const Options& o, const Served& s) {
         }
     }
     summarise(node.state(), rig, server.counters());
-    if (keeper.failed()) return 1;
+    if (state_file.failed()) return 1;
     return signals.number() == SIGINT ? 130 : 0;
 }
 

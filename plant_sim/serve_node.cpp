@@ -137,7 +137,7 @@ void ServeNode::advance() {
     }
 }
 
-void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout, BridgeTurns bridge) {
+void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout, LockstepBridge bridge) {
     answer_timeout_ = answer_timeout;
     bridge_ = std::move(bridge);
     if (bridge_.start_together) {

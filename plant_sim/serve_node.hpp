@@ -33,7 +33,7 @@ struct ServeState {
 using BrakeStates = antiskid::host::SpscRing<wear::BrakeState, 16>;
 
 /// A bridge in lockstep, see rig_bridge/rig/lockstep_turn.hpp.
-struct BridgeTurns {
+struct LockstepBridge {
     std::function<std::uint16_t()> done = nullptr;  ///< number of the bridge's newest turn; empty function: no bridge is waited for
     /// Whether rig time begins only when the bridge has joined and the controller answers; first sample and SYNC are repeated until then.
     bool start_together = false;
@@ -51,7 +51,7 @@ class ServeNode {
     /// Lockstep, not faster than real time: one sample, one SYNC, one valve command; every kBridgeStep one turn of the bridge, if it is in lockstep.
     /// A program that does not answer within `answer_timeout` is silent: periods then go on in real time without waiting for it, until it sends
     /// again. A controller then catches up with the SYNCs that it missed.
-    void run_lockstep(const std::atomic<bool>& stop, antiskid::control::Time answer_timeout = kAnswerTimeout, BridgeTurns bridge = {});
+    void run_lockstep(const std::atomic<bool>& stop, antiskid::control::Time answer_timeout = kAnswerTimeout, LockstepBridge bridge = {});
 
     /// In real time.
     void run_realtime(const std::atomic<bool>& stop);
@@ -88,7 +88,7 @@ class ServeNode {
     antiskid::control::Time period_;
     antiskid::control::Time answer_timeout_ = kAnswerTimeout;
     Exchange exchange_;
-    BridgeTurns bridge_;
+    LockstepBridge bridge_;
     std::uint16_t silent_at_ = rig::kNoTurns;  // turn of the bridge at which it was given up; kNoTurns: it was not
     const antiskid::can::Layout& layout_;
     antiskid::can::RigPort port_;

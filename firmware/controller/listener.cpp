@@ -24,9 +24,9 @@ namespace antiskid::controller {
 namespace {
 
 /// The controller's inputs and checks without its output.
-class Senses {
+class InputChecks {
   public:
-    explicit Senses(const control::Config& config)
+    explicit InputChecks(const control::Config& config)
         : estimator_(config), monitor_(config), safe_Pa_(control::valve_pressure_Pa(config.valve, config.valve.safe_current_mA)) {}
 
     [[nodiscard]] control::FaultSet step(const control::Sensors& sensors, control::Time now) {
@@ -42,11 +42,11 @@ class Senses {
     float safe_Pa_;
 };
 
-void note(Reception& reception, control::FaultSet faults, const Senses& senses) {
+void note(Reception& reception, control::FaultSet faults, const InputChecks& checks) {
     for (std::size_t i = 0; i < control::kFaultCount; ++i)
         if (faults.contains(static_cast<control::Fault>(i))) ++reception.fault_periods[i];
-    reception.wheel_radps = std::max(reception.wheel_radps, std::abs(senses.wheel_radps()));
-    reception.flywheel_radps = std::max(reception.flywheel_radps, std::abs(senses.flywheel_radps()));
+    reception.wheel_radps = std::max(reception.wheel_radps, std::abs(checks.wheel_radps()));
+    reception.flywheel_radps = std::max(reception.flywheel_radps, std::abs(checks.flywheel_radps()));
     const float pressure = reception.sensors.pressure.pressure_Pa;
     if (std::abs(pressure) > std::abs(reception.pressure_Pa)) reception.pressure_Pa = pressure;
 }
@@ -67,19 +67,19 @@ Reception listen(const controller::ControllerSetup& setup, can::Bus& bus, host::
     can::ControllerPort port(setup.layout, setup.period);
     host::FrameIntake intake(overheard, port);
     host::TimerPacer pacer(clock, setup.period, intake);
-    Senses senses(setup.control);
+    InputChecks checks(setup.control);
     Reception reception;
     const control::Time began = clock.now();
     for (auto wake = pacer.next(stop); wake; wake = pacer.next(stop)) {
         port.note_link(overheard.status());
         reception.sensors = port.sensors();
-        const control::FaultSet faults = senses.step(reception.sensors, wake->now);
+        const control::FaultSet faults = checks.step(reception.sensors, wake->now);
         port.clear_one_shots();
         ++reception.periods;
         reception.missed_periods += wake->skipped;
         reception.latency.add(wake->latency);
         reception.work.add(clock.now() - wake->woke);
-        if (wake->now - began >= Reception::kSettle) note(reception, faults, senses);
+        if (wake->now - began >= Reception::kSettle) note(reception, faults, checks);
         if (wake->now - began >= duration) break;
     }
     for (const can::Role role : can::kToController) reception.stats[static_cast<std::size_t>(role)] = port.stats(role);

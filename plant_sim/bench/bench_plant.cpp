@@ -172,7 +172,7 @@ void run_odeint(const Case& c, double step_s, double tolerance, Trajectory& out)
 }
 
 /// One integrator with one step or tolerance.
-struct Contestant {
+struct Candidate {
     std::string method, setting;
     std::function<void(const Case&, double output_s, Trajectory&)> run;
     std::vector<double> seconds{};  // of each round
@@ -181,8 +181,8 @@ struct Contestant {
     [[nodiscard]] double median_s() const { return bench::median(seconds); }
 };
 
-std::vector<Contestant> contestants() {
-    std::vector<Contestant> all;
+std::vector<Candidate> candidates() {
+    std::vector<Candidate> all;
     for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9})
         all.push_back({kOurs, fmt::format("tolerance {:.0e}", tolerance),
                        [=](const Case& c, double output_s, Trajectory& out) { run_open_loop(c, output_s, tolerance, out); }});
@@ -198,7 +198,7 @@ std::vector<Contestant> contestants() {
     return all;
 }
 
-void judge(Contestant& one, const Case& c, double output_s, const Trajectory& truth) {
+void judge(Candidate& one, const Case& c, double output_s, const Trajectory& truth) {
     Trajectory mine;
     one.run(c, output_s, mine);
     const bench::Equations equations(c.rig);
@@ -211,9 +211,9 @@ void judge(Contestant& one, const Case& c, double output_s, const Trajectory& tr
 
 /// How long `method` takes for an error: between its settings linear in the logarithms, less than the coarsest at most; NaN beyond the
 /// finest.
-double seconds_for(const std::vector<Contestant>& all, const std::string& method, double error_omega) {
+double seconds_for(const std::vector<Candidate>& all, const std::string& method, double error_omega) {
     std::vector<std::pair<double, double>> curve;  // error and time, the smallest error first
-    for (const Contestant& one : all)
+    for (const Candidate& one : all)
         if (one.method == method) curve.emplace_back(std::log(one.error_omega), std::log(one.median_s()));
     std::sort(curve.begin(), curve.end());
     // Whoever is slower for a larger error is not on the curve.
@@ -230,11 +230,11 @@ double seconds_for(const std::vector<Contestant>& all, const std::string& method
     return std::exp(curve.back().second);
 }
 
-void draw(const std::vector<Contestant>& all, double simulated_s, const std::filesystem::path& png) {
+void draw(const std::vector<Candidate>& all, double simulated_s, const std::filesystem::path& png) {
     std::vector<pictures::Series> curves;
     for (std::size_t i = 0; i < kMethods.size(); ++i) {
         pictures::Series& curve = curves.emplace_back(pictures::Series{.name = kMethods.at(i), .colour = i});
-        for (const Contestant& one : all)
+        for (const Candidate& one : all)
             if (one.method == kMethods.at(i)) curve.add(one.median_s() / simulated_s * 1e6, one.error_omega);
     }
     pictures::draw({.charts = {{.y_label = "largest error of the wheel speed, of free rolling",
@@ -246,21 +246,21 @@ void draw(const std::vector<Contestant>& all, double simulated_s, const std::fil
 }
 
 settings::Json race(const std::vector<Case>& all, double output_s, int rounds, const std::filesystem::path& png) {
-    std::vector<Contestant> them = contestants();
+    std::vector<Candidate> them = candidates();
     double simulated_s = 0.0, reference_error = 0.0;
     for (const Case& c : all) {
         simulated_s += c.end_s;
         Trajectory truth;
         run_cvode(c, output_s, 1e-12, true, truth);
-        for (Contestant& one : them) judge(one, c, output_s, truth);
-        Contestant other{"", "", [](const Case& k, double h, Trajectory& out) { run_odeint(k, h, 1e-12, out); }};
+        for (Candidate& one : them) judge(one, c, output_s, truth);
+        Candidate other{"", "", [](const Case& k, double h, Trajectory& out) { run_odeint(k, h, 1e-12, out); }};
         judge(other, c, output_s, truth);
         reference_error = std::max(reference_error, other.error_omega);
     }
     Trajectory out;
     out.reserve(200000);
     for (int round = 0; round < rounds; ++round) {
-        for (Contestant& one : them) {
+        for (Candidate& one : them) {
             one.seconds.push_back(bench::processor_s_of([&] {
                 for (const Case& c : all) {
                     out.clear();
@@ -277,7 +277,7 @@ settings::Json race(const std::vector<Case>& all, double output_s, int rounds, c
                         {"simulated_s", simulated_s},
                         {"rounds", rounds},
                         {"odeint_1e-12_from_reference", reference_error}};
-    for (const Contestant& one : them) {
+    for (const Candidate& one : them) {
         const double ns_per_ms = one.median_s() / simulated_s * 1e6;
         const double ratio = seconds_for(them, kOdeint, one.error_omega) / one.median_s();
         const bool compared = one.method != kOdeint && std::isfinite(ratio);

@@ -29,7 +29,7 @@ constexpr double kOdeTolerance = 1e-6;
 constexpr std::size_t kStops = 120;
 constexpr int kRounds = 3;
 
-struct Spent {
+struct Times {
     double processor_s = 0.0, wall_s = 0.0;
     std::uint64_t periods = 0;
 
@@ -38,16 +38,16 @@ struct Spent {
 
 /// `work` runs the stops, and returns the periods that they took.
 template <typename Work>
-Spent spend(const Work& work) {
-    Spent spent;
+Times timed(const Work& work) {
+    Times times;
     const auto begun = std::chrono::steady_clock::now();
-    spent.processor_s = bench::processor_s_of([&] { spent.periods = work(); });
-    spent.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    return spent;
+    times.processor_s = bench::processor_s_of([&] { times.periods = work(); });
+    times.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    return times;
 }
 
-Spent side_by_side(const sweep::SweepPlan& plan, const std::vector<std::size_t>& numbers, unsigned threads) {
-    return spend([&] {
+Times side_by_side(const sweep::SweepPlan& plan, const std::vector<std::size_t>& numbers, unsigned threads) {
+    return timed([&] {
         std::uint64_t periods = 0;
         study::run_many(
             plan.layout, numbers.size(),
@@ -61,8 +61,8 @@ Spent side_by_side(const sweep::SweepPlan& plan, const std::vector<std::size_t>&
 
 /// One stop at a time, `stop(number)` returning its periods.
 template <typename Stop>
-Spent one_by_one(const std::vector<std::size_t>& numbers, unsigned threads, const Stop& stop) {
-    return spend([&] {
+Times one_by_one(const std::vector<std::size_t>& numbers, unsigned threads, const Stop& stop) {
+    return timed([&] {
         std::atomic<std::uint64_t> periods{0};
         wear::run_jobs(threads, numbers.size(), [&](std::size_t i) { periods += stop(numbers[i]); });
         return periods.load();
@@ -72,12 +72,12 @@ Spent one_by_one(const std::vector<std::size_t>& numbers, unsigned threads, cons
 struct Engine {
     const char* name;
     std::vector<double> ns, wall_s;
-    Spent last;
+    Times last;
 
-    void add(const Spent& spent) {
-        ns.push_back(spent.ns_per_period());
-        wall_s.push_back(spent.wall_s);
-        last = spent;
+    void add(const Times& times) {
+        ns.push_back(times.ns_per_period());
+        wall_s.push_back(times.wall_s);
+        last = times;
     }
 };
 

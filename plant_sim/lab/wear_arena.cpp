@@ -19,14 +19,14 @@ namespace {
 using settings::Json;
 using wear::arena::Scores;
 
-constexpr std::array kForecasters{wear::arena::Entrant::past_lives,  wear::arena::Entrant::filter,   wear::arena::Entrant::shipped,
-                                  wear::arena::Entrant::life_curves, wear::arena::Entrant::law_told, wear::arena::Entrant::oracle};
+constexpr std::array kForecasters{wear::arena::Method::past_lives,  wear::arena::Method::filter,   wear::arena::Method::shipped,
+                                  wear::arena::Method::life_curves, wear::arena::Method::law_told, wear::arena::Method::oracle};
 constexpr const char* kMadeUp = "lives made up by the laws of plant_sim/wear/rival_laws.hpp";
 
 std::string table_of(const Scores& scores) {
     auto next = settings::TextTable::screen("next friction:>14|CRPS:>10.5f|log:>10.3f|PIT:>8.3f");
     for (std::size_t e = 0; e < scores.size(); ++e)
-        next.add(wear::arena::kEntrantNames.at(e), scores.at(e).crps, scores.at(e).log_score, scores.at(e).pit);
+        next.add(wear::arena::kMethodNames.at(e), scores.at(e).crps, scores.at(e).log_score, scores.at(e).pit);
     std::string out = next.text();
     const auto block = [&](const char* title, int digits, double wear::arena::LeftScore::*value) {
         std::string columns = fmt::format("{}:>14", title);
@@ -34,7 +34,7 @@ std::string table_of(const Scores& scores) {
         auto table = settings::TextTable::screen(columns);
         for (std::size_t e = 0; e < scores.size(); ++e) {
             if (!scores.at(e).forecasts) continue;
-            table.add(wear::arena::kEntrantNames.at(e));
+            table.add(wear::arena::kMethodNames.at(e));
             for (const wear::arena::LeftScore& left : scores.at(e).left) table.add(left.*value);
         }
         out += table.text();
@@ -49,18 +49,18 @@ std::string table_of(const Scores& scores) {
 /// Of landings left, over all tenths.
 std::string by_law(const std::vector<wear::arena::Law>& laws, const std::vector<Scores>& scores) {
     std::string columns = "judged law:>14";
-    for (const wear::arena::Entrant e : kForecasters)
-        columns += fmt::format("|{}:>12.2f|skill:>8.2f", wear::arena::kEntrantNames.at(static_cast<std::size_t>(e)));
+    for (const wear::arena::Method e : kForecasters)
+        columns += fmt::format("|{}:>12.2f|skill:>8.2f", wear::arena::kMethodNames.at(static_cast<std::size_t>(e)));
     auto table = settings::TextTable::screen(columns);
     for (std::size_t i = 0; i < laws.size(); ++i) {
         table.add(wear::arena::kLawNames.at(static_cast<std::size_t>(laws[i])));
-        const auto crps = [&](wear::arena::Entrant e) {
+        const auto crps = [&](wear::arena::Method e) {
             double sum = 0.0;
             for (const wear::arena::LeftScore& left : scores[i].at(static_cast<std::size_t>(e)).left) sum += left.crps;
             return sum;
         };
-        const double past = crps(wear::arena::Entrant::past_lives), oracle = crps(wear::arena::Entrant::oracle);
-        for (const wear::arena::Entrant e : kForecasters) {
+        const double past = crps(wear::arena::Method::past_lives), oracle = crps(wear::arena::Method::oracle);
+        for (const wear::arena::Method e : kForecasters) {
             double held = 0.0;
             for (const wear::arena::LeftScore& left : scores[i].at(static_cast<std::size_t>(e)).left) held += left.held / wear::arena::kTenths;
             table.add(held, (past - crps(e)) / (past - oracle));
@@ -85,7 +85,7 @@ Json json_of(const Scores& scores) {
     Json out;
     for (std::size_t e = 0; e < scores.size(); ++e) {
         const wear::arena::Score& s = scores.at(e);
-        Json& one = out[wear::arena::kEntrantNames.at(e)] = {{"crps", s.crps}, {"log_score", s.log_score}, {"pit_distance", s.pit}};
+        Json& one = out[wear::arena::kMethodNames.at(e)] = {{"crps", s.crps}, {"log_score", s.log_score}, {"pit_distance", s.pit}};
         if (!s.forecasts) continue;
         for (const wear::arena::LeftScore& k : s.left)
             one["landings_left"].push_back(

@@ -170,10 +170,10 @@ class CellCampaign {
         line_.reachable = true;
         frozen_ = false;
         open_ = 0;
-        std::array<bool, kPartyNames.size()> up{true, true, true};
+        std::array<bool, kBusNodeNames.size()> up{true, true, true};
         for (const PlannedFault& p : faults_.active()) {
-            if (p.fault < CellFault::off_bus) end_of(p.party).set_share(static_cast<FrameFault>(p.fault), p.share);
-            if (p.fault == CellFault::off_bus) up.at(static_cast<std::size_t>(p.party)) = false;
+            if (p.fault < CellFault::off_bus) end_of(p.node).set_share(static_cast<FrameFault>(p.fault), p.share);
+            if (p.fault == CellFault::off_bus) up.at(static_cast<std::size_t>(p.node)) = false;
             if (p.fault >= CellFault::requests_lost && p.fault <= CellFault::requests_doubled)
                 line_.shares.at(static_cast<std::size_t>(p.fault) - static_cast<std::size_t>(CellFault::requests_lost)) = p.share;
             if (p.fault == CellFault::plc_unreachable) line_.reachable = false;
@@ -186,7 +186,9 @@ class CellCampaign {
         bridge_receive_bus_.set_up(up[2] && bridge_);
     }
 
-    FaultyBus::End& end_of(Party party) { return party == Party::rig ? at_rig_ : party == Party::controller ? at_controller_ : bridge_receive_bus_; }
+    FaultyBus::End& end_of(BusNode node) {
+        return node == BusNode::rig ? at_rig_ : node == BusNode::controller ? at_controller_ : bridge_receive_bus_;
+    }
 
     // --- the programs ---
 

@@ -8,7 +8,7 @@ namespace plant_sim::simulation {
 
 namespace {
 
-bool has_party(CellFault fault) {
+bool has_node(CellFault fault) {
     return fault <= CellFault::off_bus;
 }
 
@@ -20,7 +20,7 @@ bool has_share(CellFault fault) {
 
 std::string text(const PlannedFault& fault) {
     std::string what(kCellFaultNames.at(static_cast<std::size_t>(fault.fault)));
-    if (has_party(fault.fault)) what += fmt::format(", {}", kPartyNames.at(static_cast<std::size_t>(fault.party)));
+    if (has_node(fault.fault)) what += fmt::format(", {}", kBusNodeNames.at(static_cast<std::size_t>(fault.node)));
     if (fault.fault == CellFault::interlock_open) what += fmt::format(", {}", rig::name(fault.interlock));
     if (has_share(fault.fault)) what += fmt::format(", {:.0f} %", 100.0 * fault.share);
     if (fault.fault == CellFault::clock_set) what += fmt::format(", by {} s", fault.set_s);
@@ -45,7 +45,7 @@ std::vector<PlannedFault> draw_faults(wear::Generator& draw) {
     std::vector<PlannedFault> faults(1 + below(kMaxFaults));
     for (PlannedFault& fault : faults) {
         fault.fault = static_cast<CellFault>(below(kCellFaultNames.size()));
-        fault.party = static_cast<Party>(below(kPartyNames.size()));
+        fault.node = static_cast<BusNode>(below(kBusNodeNames.size()));
         fault.interlock = static_cast<rig::Interlock>(below(rig::kInterlockCount));
         fault.share = kShares.at(below(kShares.size()));
         fault.attempt = static_cast<int>(1 + below(kMaxAttempt));

@@ -14,11 +14,11 @@
 namespace plant_sim::simulation {
 
 enum class CellFault : std::uint8_t {
-    frames_lost,  ///< on their way to `party`, as the next three
+    frames_lost,  ///< on their way to `node`, as the next three
     frames_late,
     frames_doubled,
     frames_damaged,
-    off_bus,        ///< one party's interface is down
+    off_bus,        ///< one node's interface is down
     requests_lost,  ///< between bridge and PLC, as the next three
     answers_lost,
     answers_damaged,
@@ -44,12 +44,12 @@ inline constexpr std::array<std::string_view, 23> kCellFaultNames{
     "controller_killed", "controller_stopped", "bridge_killed",    "bridge_stopped",  "bridge_hangs",     "clock_set",
     "power_cut",         "killed_writing",     "disk_full",        "disk_refuses",    "disk_writes_short"};
 
-enum class Party : std::uint8_t { rig, controller, bridge };
-inline constexpr std::array<std::string_view, 3> kPartyNames{"rig", "controller", "bridge"};
+enum class BusNode : std::uint8_t { rig, controller, bridge };
+inline constexpr std::array<std::string_view, 3> kBusNodeNames{"rig", "controller", "bridge"};
 
 struct PlannedFault {
     CellFault fault = CellFault::frames_lost;
-    Party party = Party::rig;  ///< for the first five faults
+    BusNode node = BusNode::rig;  ///< for the first five faults
     rig::Interlock interlock = rig::Interlock::emergency_stop_clear;
     double share = 1.0;  ///< of the affected frames or requests
     // It begins `after_s` after this attempt, or a later one, first reached `phase`.

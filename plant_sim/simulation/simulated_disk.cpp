@@ -127,7 +127,7 @@ std::string_view SimulatedDisk::bytes(const fs::path& path) const {
     return node ? std::string_view(node->now) : std::string_view();
 }
 
-settings::Opened SimulatedDisk::open(const fs::path& path) const {
+settings::OpenResult SimulatedDisk::open(const fs::path& path) const {
     const auto scope = state_->gate->simulation();
     if (!state_->runs) return {.file = nullptr, .error = EIO};
     const NodePointer node = state_->find(path.string());
@@ -135,7 +135,7 @@ settings::Opened SimulatedDisk::open(const fs::path& path) const {
     return {.file = std::make_unique<SimulatedFile>(state_, node, path.string())};
 }
 
-settings::Opened SimulatedDisk::create(const fs::path& path) const {
+settings::OpenResult SimulatedDisk::create(const fs::path& path) const {
     const auto scope = state_->gate->simulation();
     if (const int error = state_->make(path.string(), false); error != 0) return {.file = nullptr, .error = error};
     return open(path);
@@ -167,16 +167,16 @@ fs::file_status SimulatedDisk::status(const fs::path& path) const {
     return fs::file_status(!node ? fs::file_type::not_found : node->directory ? fs::file_type::directory : fs::file_type::regular);
 }
 
-std::variant<std::unique_ptr<settings::File>, settings::HeldBy> SimulatedDisk::hold(const fs::path& path, const std::string& /*who*/) const {
+std::variant<std::unique_ptr<settings::File>, settings::LockHolder> SimulatedDisk::hold(const fs::path& path, const std::string& /*who*/) const {
     const auto scope = state_->gate->simulation();
     if (!state_->runs) throw std::system_error(EIO, std::generic_category(), path.string());
-    if (!state_->held.insert(path.string()).second) return settings::HeldBy{};
+    if (!state_->held.insert(path.string()).second) return settings::LockHolder{};
     return std::make_unique<Hold>(state_, path.string());
 }
 
-std::optional<settings::HeldBy> SimulatedDisk::held_by(const fs::path& path) const {
+std::optional<settings::LockHolder> SimulatedDisk::held_by(const fs::path& path) const {
     const auto scope = state_->gate->simulation();
-    return state_->held.contains(path.string()) ? std::optional(settings::HeldBy{}) : std::nullopt;
+    return state_->held.contains(path.string()) ? std::optional(settings::LockHolder{}) : std::nullopt;
 }
 
 const char* SimulatedDisk::sqlite_vfs() const {

@@ -71,17 +71,17 @@ class SimulatedDisk final : public settings::Storage {
     /// Present content of a file, without the copies that reading makes; valid until anything is changed. Empty: there is no such file.
     [[nodiscard]] std::string_view bytes(const std::filesystem::path& path) const;
 
-    [[nodiscard]] settings::Opened open(const std::filesystem::path& path) const override;
-    [[nodiscard]] settings::Opened create(const std::filesystem::path& path) const override;
+    [[nodiscard]] settings::OpenResult open(const std::filesystem::path& path) const override;
+    [[nodiscard]] settings::OpenResult create(const std::filesystem::path& path) const override;
     [[nodiscard]] int make_directory(const std::filesystem::path& path) const override;
     [[nodiscard]] int sync_directory(const std::filesystem::path& path) const override;
     [[nodiscard]] int rename(const std::filesystem::path& from, const std::filesystem::path& to) const override;
     [[nodiscard]] int remove(const std::filesystem::path& path) const override;
     [[nodiscard]] std::filesystem::file_status status(const std::filesystem::path& path) const override;
     [[nodiscard]] std::filesystem::path canonical(const std::filesystem::path& path) const override { return path; }
-    [[nodiscard]] std::variant<std::unique_ptr<settings::File>, settings::HeldBy> hold(const std::filesystem::path& path,
-                                                                                       const std::string& who) const override;
-    [[nodiscard]] std::optional<settings::HeldBy> held_by(const std::filesystem::path& path) const override;
+    [[nodiscard]] std::variant<std::unique_ptr<settings::File>, settings::LockHolder> hold(const std::filesystem::path& path,
+                                                                                           const std::string& who) const override;
+    [[nodiscard]] std::optional<settings::LockHolder> held_by(const std::filesystem::path& path) const override;
     [[nodiscard]] const char* sqlite_vfs() const override;
 
   private:

@@ -81,7 +81,7 @@ class LocalLinear {
     double p00_ = 0.03 * 0.03, p01_ = 0.0, p11_ = 0.001 * 0.001;
 };
 
-/// What entrants learnt of one law's lives.
+/// What methods learnt of one law's lives.
 struct Trained {
     Population population;
     double log_life = 0.0, log_life_deviation = 0.0;
@@ -149,7 +149,7 @@ Left drawn_left(const Draw& draw) {
     return out;
 }
 
-/// One entrant's sums over one life.
+/// One method's sums over one life.
 struct Tally {
     double crps = 0.0, log_score = 0.0;
     std::vector<double> pit;
@@ -169,7 +169,7 @@ struct Tally {
         s.crps += wear::crps(rising, truth);
     }
 };
-using Tallies = std::array<Tally, kEntrantNames.size()>;
+using Tallies = std::array<Tally, kMethodNames.size()>;
 
 Left left_of(const Forecast& f) {
     Left out;
@@ -208,7 +208,7 @@ bool asked(std::size_t& tenth, std::size_t landed, std::size_t life) {
     return true;
 }
 
-/// The entrant that is told the law learns from nobody: once for each judged life.
+/// The method that is told the law learns from nobody: once for each judged life.
 Tally judge_told(const Plan& plan, Law law, std::uint64_t seed) {
     const Life life = live(law, plan.settings, seed);
     const std::vector<Point>& points = life.campaign.points;
@@ -244,39 +244,39 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
     LocalLinear linear(t.step / std::numbers::sqrt2);
     LifeFilter curves(t.population.curves);
     Tallies out;
-    const auto of = [&](Entrant e) -> Tally& { return out.at(static_cast<std::size_t>(e)); };
+    const auto of = [&](Method e) -> Tally& { return out.at(static_cast<std::size_t>(e)); };
     std::size_t tenth = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double x = points[i].mean_friction;
         if (i > 0) {
             const double taken_J = points[i - 1].c_e_J, next_J = taken_J + plan.settings.mean_energy_J();
             const double newest = points[i - 1].mean_friction;
-            of(Entrant::persistence).next({{{1.0, newest, t.step * t.step}}}, x);
-            of(Entrant::past_lives).next(t.by_landing[std::min(i, t.by_landing.size() - 1)], x);
+            of(Method::persistence).next({{{1.0, newest, t.step * t.step}}}, x);
+            of(Method::past_lives).next(t.by_landing[std::min(i, t.by_landing.size() - 1)], x);
             const Model& model = t.population.models.front();
-            of(Entrant::nearest).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::nearest}), x);
-            of(Entrant::mixture).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::mixture}), x);
-            of(Entrant::local_linear).next(linear.next(), x);
+            of(Method::nearest).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::nearest}), x);
+            of(Method::mixture).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::mixture}), x);
+            of(Method::local_linear).next(linear.next(), x);
             const Expectation e = filter.expected(next_J);
-            of(Entrant::filter).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
-            of(Entrant::shipped).next(shipped.next(), x);
+            of(Method::filter).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
+            of(Method::shipped).next(shipped.next(), x);
             const Expectation c = curves.expected();
-            of(Entrant::life_curves).next({{{1.0, c.mean, c.deviation * c.deviation}}}, x);
-            of(Entrant::oracle).next({{{1.0, life.before[i].expected(), Brake::kFresh * Brake::kFresh}}}, x);
+            of(Method::life_curves).next({{{1.0, c.mean, c.deviation * c.deviation}}}, x);
+            of(Method::oracle).next({{{1.0, life.before[i].expected(), Brake::kFresh * Brake::kFresh}}}, x);
         }
         for (std::size_t k = tenth; asked(tenth, i, points.size()); k = tenth) {
             const auto truth = static_cast<double>(points.size() - i);
-            of(Entrant::past_lives).landings(k, lognormal_left(t, static_cast<double>(i)), truth);
-            of(Entrant::local_linear)
+            of(Method::past_lives).landings(k, lognormal_left(t, static_cast<double>(i)), truth);
+            of(Method::local_linear)
                 .landings(k, drawn_left([&](std::size_t n) {
                               Generator generator = generator_of(seed, 5000 + n);
                               return linear.landings_left(plan.settings.limit, generator);
                           }),
                           truth);
-            of(Entrant::filter).landings(k, left_of(forecast(filter, points[i - 1].c_e_J, plan.settings.mix, ask)), truth);
-            of(Entrant::shipped).landings(k, left_of(shipped.forecast(plan.settings.mix, ask)), truth);
-            of(Entrant::life_curves).landings(k, curves_left(curves, plan, seed), truth);
-            of(Entrant::oracle).landings(k, oracle_left(life.before[i], plan, seed), truth);
+            of(Method::filter).landings(k, left_of(forecast(filter, points[i - 1].c_e_J, plan.settings.mix, ask)), truth);
+            of(Method::shipped).landings(k, left_of(shipped.forecast(plan.settings.mix, ask)), truth);
+            of(Method::life_curves).landings(k, curves_left(curves, plan, seed), truth);
+            of(Method::oracle).landings(k, oracle_left(life.before[i], plan, seed), truth);
         }
         linear.learn(x);
         shipped.learn(points[i]);
@@ -285,8 +285,8 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
     return out;
 }
 
-std::array<Score, kEntrantNames.size()> scores(const std::vector<const Tallies*>& tallies) {
-    std::array<Score, kEntrantNames.size()> out;
+std::array<Score, kMethodNames.size()> scores(const std::vector<const Tallies*>& tallies) {
+    std::array<Score, kMethodNames.size()> out;
     for (std::size_t e = 0; e < out.size(); ++e) {
         Score& s = out.at(e);
         std::vector<double> pit;
@@ -319,8 +319,8 @@ std::array<Score, kEntrantNames.size()> scores(const std::vector<const Tallies*>
         }
     }
     for (std::size_t k = 0; k < kTenths; ++k) {
-        const double past = out.at(static_cast<std::size_t>(Entrant::past_lives)).left.at(k).crps;
-        const double oracle = out.at(static_cast<std::size_t>(Entrant::oracle)).left.at(k).crps;
+        const double past = out.at(static_cast<std::size_t>(Method::past_lives)).left.at(k).crps;
+        const double oracle = out.at(static_cast<std::size_t>(Method::oracle)).left.at(k).crps;
         for (Score& s : out) s.left.at(k).skill = (past - s.left.at(k).crps) / (past - oracle);
     }
     return out;
@@ -339,7 +339,7 @@ Result run(const Plan& plan) {
     run_jobs(plan.threads, tallies.size(), [&](std::size_t job) {
         const std::size_t pair = job / plan.judged_lives;
         tallies[job] = judge(plan, trained[pair / laws], plan.laws[pair % laws], plan.judged_seed + job % plan.judged_lives);
-        tallies[job].at(static_cast<std::size_t>(Entrant::law_told)) = told[pair % laws * plan.judged_lives + job % plan.judged_lives];
+        tallies[job].at(static_cast<std::size_t>(Method::law_told)) = told[pair % laws * plan.judged_lives + job % plan.judged_lives];
     });
     std::vector<const Tallies*> within, across;
     std::vector<std::vector<const Tallies*>> by_law(2 * laws);

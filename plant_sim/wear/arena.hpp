@@ -9,7 +9,7 @@
 
 namespace wear::arena {
 
-enum class Entrant : std::uint8_t {
+enum class Method : std::uint8_t {
     persistence,   ///< the next friction is the newest
     past_lives,    ///< the training lives, landing by landing; their length as a lognormal
     nearest,       ///< the mixture of eq. (14), fitted to one training life, from the nearest component
@@ -21,8 +21,8 @@ enum class Entrant : std::uint8_t {
     law_told,      ///< told the law, but not the brake: what can be known of its state from its own friction and energies (law_filter.hpp)
     oracle,        ///< told the law and the brake's own state; knows neither scatter nor landings to come
 };
-constexpr std::array<const char*, 10> kEntrantNames{"persistence", "past_lives", "nearest",     "mixture",  "local_linear",
-                                                    "filter",      "shipped",    "life_curves", "law_told", "oracle"};
+constexpr std::array<const char*, 10> kMethodNames{"persistence", "past_lives", "nearest",     "mixture",  "local_linear",
+                                                   "filter",      "shipped",    "life_curves", "law_told", "oracle"};
 
 constexpr std::size_t kTenths = 9;  ///< forecasts are made at 10 to 90 % of life
 
@@ -52,7 +52,7 @@ struct Plan {
     unsigned threads = 1;            ///< the result does not depend on it
 };
 
-using Scores = std::array<Score, kEntrantNames.size()>;
+using Scores = std::array<Score, kMethodNames.size()>;
 struct Result {
     Scores within;                                     ///< trained on the judged law
     std::optional<Scores> across;                      ///< trained on each other law in turn; none: there is only one law

@@ -60,7 +60,7 @@ BridgePanel::BridgePanel(const BridgeSetup& setup, const std::filesystem::path& 
 
 void BridgePanel::state(const ViewModel& view, const Moment& moment, double now_s) {
     feed_.state(
-        [this, view, moment] { return panel_state(view, moment, campaign_.empty() ? std::nullopt : std::optional(standing(campaign_, begun_))); },
+        [this, view, moment] { return panel_state(view, moment, campaign_.empty() ? std::nullopt : std::optional(hold_status(campaign_, begun_))); },
         now_s);
 }
 

@@ -32,14 +32,14 @@ bool remove_hold(const std::filesystem::path& campaign) {
     return std::filesystem::remove(hold_file(campaign));
 }
 
-std::string_view name(Standing standing) {
+std::string_view name(HoldStatus status) {
     constexpr std::array<std::string_view, 3> kNames{"runs", "waits", "held"};
-    return kNames[static_cast<std::size_t>(standing)];
+    return kNames[static_cast<std::size_t>(status)];
 }
 
-Standing standing(const std::filesystem::path& campaign, bool begun) {
-    if (!read_hold(campaign)) return Standing::runs;
-    return begun ? Standing::held : Standing::waits;
+HoldStatus hold_status(const std::filesystem::path& campaign, bool begun) {
+    if (!read_hold(campaign)) return HoldStatus::runs;
+    return begun ? HoldStatus::held : HoldStatus::waits;
 }
 
 std::string to_text(const Hold& hold) {

@@ -28,10 +28,10 @@ void write_hold(const std::filesystem::path& campaign, const Hold& hold);
 bool remove_hold(const std::filesystem::path& campaign);
 
 /// What a person may ask of a campaign now. `waits`: held, and none of its maneuvers was begun yet.
-enum class Standing : std::uint8_t { runs, waits, held };
-[[nodiscard]] std::string_view name(Standing standing);
+enum class HoldStatus : std::uint8_t { runs, waits, held };
+[[nodiscard]] std::string_view name(HoldStatus status);
 /// `begun`: a maneuver of the campaign was. A maneuver that runs while the campaign is held comes to its end first.
-[[nodiscard]] Standing standing(const std::filesystem::path& campaign, bool begun);
+[[nodiscard]] HoldStatus hold_status(const std::filesystem::path& campaign, bool begun);
 
 /// "held by A. Rossi since 2026-11-25T10:00:00Z: tyre change".
 [[nodiscard]] std::string to_text(const Hold& hold);

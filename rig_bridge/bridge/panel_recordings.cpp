@@ -85,7 +85,7 @@ LiveSample sample_of(const antiskid::can::BusView& view, const Scenario& scenari
 }
 
 /// What the controller was told where the demand was greatest; a demand of nothing is none.
-struct Asked {
+struct GreatestDemand {
     void take(const antiskid::control::ManeuverInput& command) {
         if (command.demand_Pa > demand_Pa) *this = {command.law, command.demand_Pa, command.slip_reference};
     }
@@ -105,7 +105,7 @@ struct Asked {
 
 struct Drawn {
     Curves curves;
-    Asked asked;
+    GreatestDemand greatest;
 };
 
 Drawn read_log(const std::filesystem::path& log, const antiskid::can::Layout& layout, const Scenario& scenario) {
@@ -128,7 +128,7 @@ Drawn read_log(const std::filesystem::path& log, const antiskid::can::Layout& la
         if (at < Phase::touchdown || at > Phase::retract) continue;
         if (at == Phase::braking) {
             if (std::isnan(brake_on_s)) brake_on_s = signals.time_s();
-            drawn.asked.take(view.maneuver);
+            drawn.greatest.take(view.maneuver);
         }
         samples.push_back(sample_of(view, scenario, rim.radps(), wheel.radps()));
         samples.back().time_s = signals.time_s();
@@ -216,7 +216,7 @@ std::string PanelRecordings::run(const std::string& campaign, std::int64_t numbe
                                      known_ && known_->name == row.summary.scenario
                                          ? *known_
                                          : load_scenario(config_ / "scenarios" / (row.summary.scenario + ".toml"), config_));
-        return "{\"columns\":" + drawn.curves.json() + ",\"asked\":" + settings::json_line(drawn.asked.json()) + "}";
+        return "{\"columns\":" + drawn.curves.json() + ",\"asked\":" + settings::json_line(drawn.greatest.json()) + "}";
     }
     throw std::runtime_error(fmt::format("campaign {} has no attempt {} at maneuver {}", campaign, attempt, number));
 }

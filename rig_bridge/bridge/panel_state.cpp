@@ -60,7 +60,7 @@ panel::LiveSample live_sample(const Moment& m) {
     return sample;
 }
 
-std::string panel_state(const ViewModel& v, const Moment& m, std::optional<Standing> campaign) {
+std::string panel_state(const ViewModel& v, const Moment& m, std::optional<HoldStatus> campaign) {
     Json facts = Json::object();
     const auto fact = [&facts](const char* label, std::string_view text) {
         if (!text.empty()) facts[label] = text;
@@ -85,9 +85,9 @@ std::string panel_state(const ViewModel& v, const Moment& m, std::optional<Stand
                       {"guard closed", m.inputs.guard_closed},
                       {"hydraulics ready", m.inputs.hydraulics_ready},
                       {"drive healthy", m.inputs.drive_healthy}};
-    const Json standing = campaign ? Json(name(*campaign)) : Json(nullptr);
-    return Json{{"facts", facts}, {"interlocks", interlocks}, {"alarms", alarms(v, m)}, {"campaign", standing}}.dump(-1, ' ', false,
-                                                                                                                     Json::error_handler_t::replace);
+    const Json status = campaign ? Json(name(*campaign)) : Json(nullptr);
+    return Json{{"facts", facts}, {"interlocks", interlocks}, {"alarms", alarms(v, m)}, {"campaign", status}}.dump(-1, ' ', false,
+                                                                                                                   Json::error_handler_t::replace);
 }
 
 }  // namespace rig::bridge

@@ -16,7 +16,7 @@ namespace rig::bridge {
 
 /// States, interlocks, and what is wrong in plain words with what to do next, as one JSON object:
 /// {"facts":{label:text,...},"interlocks":{name:good,...},"alarms":[{"name","happened","next"},...],
-/// "campaign":name(Standing)}. `campaign`: none for a single maneuver, "campaign" is null then.
-[[nodiscard]] std::string panel_state(const ViewModel& view, const Moment& moment, std::optional<Standing> campaign);
+/// "campaign":name(HoldStatus)}. `campaign`: none for a single maneuver, "campaign" is null then.
+[[nodiscard]] std::string panel_state(const ViewModel& view, const Moment& moment, std::optional<HoldStatus> campaign);
 
 }  // namespace rig::bridge

@@ -81,7 +81,7 @@ std::string holder_text(const std::string& verb, const std::filesystem::path& re
 RigHold::RigHold(const std::vector<HoldPlace>& places, const std::string& who) {
     for (const HoldPlace& place : places) {
         auto held = settings::PosixStorage{}.hold(place.file, who);
-        if (const settings::HeldBy* const other = std::get_if<settings::HeldBy>(&held)) throw RigHeld(rejection(place.what, other->who));
+        if (const settings::LockHolder* const other = std::get_if<settings::LockHolder>(&held)) throw RigHeld(rejection(place.what, other->who));
         held_.push_back(std::move(std::get<std::unique_ptr<settings::File>>(held)));
     }
 }

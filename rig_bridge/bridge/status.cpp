@@ -49,7 +49,7 @@ std::int64_t count(const std::vector<record::LedgerRow>& rows, record::RowState 
 constexpr const char* kLeft = "left";
 
 /// A campaign as its ledger has it, and whether a bridge runs it.
-struct Looked {
+struct LedgerState {
     std::vector<record::LedgerRow> rows;
     bool held = false;
 
@@ -62,7 +62,7 @@ struct Looked {
     }
 };
 
-Looked look(const std::filesystem::path& ledger, const std::string& campaign) {
+LedgerState ledger_state_of(const std::filesystem::path& ledger, const std::string& campaign) {
     return {.rows = record::read_ledger(ledger, campaign), .held = record::is_held(ledger)};
 }
 
@@ -92,15 +92,15 @@ std::string row_text(const record::LedgerRow& row, const char* state) {
     return text;
 }
 
-std::string campaign_text(const record::Campaign& campaign, const Looked& looked) {
+std::string campaign_text(const record::Campaign& campaign, const LedgerState& ledger_state) {
     constexpr std::size_t kShown = 10;
-    const std::vector<record::LedgerRow>& rows = looked.rows;
+    const std::vector<record::LedgerRow>& rows = ledger_state.rows;
     const std::int64_t finished = count(rows, record::RowState::finished);
     std::string text =
         fmt::format("campaign {}: scenario {}, seed {}, {} of {} maneuvers finished; {} aborted, {} unfinished, {} {}; {:.3f} MJ\n", campaign.name,
                     campaign.scenario, campaign.seed, finished, campaign.planned, count(rows, record::RowState::aborted),
                     count(rows, record::RowState::unfinished), count(rows, record::RowState::running),
-                    looked.held ? name(record::RowState::running) : "left by a dead bridge", looked.cumulative_energy_J() * 1e-6);
+                    ledger_state.held ? name(record::RowState::running) : "left by a dead bridge", ledger_state.cumulative_energy_J() * 1e-6);
     if (const std::string specimen = to_text(campaign.specimen); !specimen.empty()) text += "  " + specimen + "\n";
     if (finished > 0) {
         text += fmt::format("  {:<24} {:>14} {:>14}\n", "of those finished", "mean", "deviation");
@@ -117,7 +117,7 @@ std::string campaign_text(const record::Campaign& campaign, const Looked& looked
     for (std::size_t i = rows.size() - std::min(rows.size(), kShown); i < rows.size(); ++i) {
         const record::Specimen& is = rows[i].summary.specimen;
         if (i > 0 && is != rows[i - 1].summary.specimen) text += fmt::format("          from here on: {}\n", to_text(is));
-        text += row_text(rows[i], looked.state(rows[i]));
+        text += row_text(rows[i], ledger_state.state(rows[i]));
     }
     return text;
 }
@@ -128,7 +128,7 @@ std::string status_text(const std::filesystem::path& ledger) {
     std::string text;
     if (const auto hold = read_hold(ledger.parent_path())) text += to_text(*hold) + "\n";
     for (const record::Campaign& campaign : record::read_campaigns(ledger)) {
-        text += campaign_text(campaign, look(ledger, campaign.name));
+        text += campaign_text(campaign, ledger_state_of(ledger, campaign.name));
         if (const auto regulation = regulation_of(ledger, campaign.name); regulation.is_object())
             text += fmt::format("  regulation: {}\n", regulation["line"].get<std::string>());
     }
@@ -138,8 +138,8 @@ std::string status_text(const std::filesystem::path& ledger) {
 std::string status_json(const std::filesystem::path& ledger) {
     settings::Json campaigns = settings::Json::array();
     for (const record::Campaign& campaign : record::read_campaigns(ledger)) {
-        const Looked looked = look(ledger, campaign.name);
-        const std::vector<record::LedgerRow>& rows = looked.rows;
+        const LedgerState ledger_state = ledger_state_of(ledger, campaign.name);
+        const std::vector<record::LedgerRow>& rows = ledger_state.rows;
         settings::Json one{{"name", campaign.name},       {"scenario", campaign.scenario},       {"seed", campaign.seed},
                            {"planned", campaign.planned}, {"config_hash", campaign.config_hash}, {"version", campaign.version}};
         for (const record::SpecimenField& field : record::kSpecimenFields) one[field.key] = campaign.specimen.*field.value;
@@ -148,14 +148,14 @@ std::string status_json(const std::filesystem::path& ledger) {
         for (const record::RowState state : {record::RowState::finished, record::RowState::aborted, record::RowState::unfinished})
             one[name(state)] = count(rows, state);
         const std::int64_t begun = count(rows, record::RowState::running);
-        one[name(record::RowState::running)] = looked.held ? begun : 0;
-        one[kLeft] = looked.held ? 0 : begun;
-        one["cumulative_energy_J"] = looked.cumulative_energy_J();
+        one[name(record::RowState::running)] = ledger_state.held ? begun : 0;
+        one[kLeft] = ledger_state.held ? 0 : begun;
+        one["cumulative_energy_J"] = ledger_state.cumulative_energy_J();
         auto list = settings::Json::array();
         for (const record::LedgerRow& row : rows) {
-            settings::Json entry{{"number", row.attempt.number},   {"attempt", row.attempt.attempt},
-                                 {"state", looked.state(row)},     {"started", row.summary.started},
-                                 {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
+            settings::Json entry{{"number", row.attempt.number},     {"attempt", row.attempt.attempt},
+                                 {"state", ledger_state.state(row)}, {"started", row.summary.started},
+                                 {"outcome", row.summary.outcome},   {"cumulative_energy_J", row.summary.cumulative_energy_J}};
             for (const record::FigureField& field : record::kFigureFields) entry[field.key] = row.summary.figures.*field.value;
             if (std::isfinite(row.slip_reference)) entry["slip_reference"] = row.slip_reference;
             entry["out_of_tolerance"] = row.summary.out_of_tolerance ? settings::Json(*row.summary.out_of_tolerance) : settings::Json(nullptr);

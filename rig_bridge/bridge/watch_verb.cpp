@@ -72,7 +72,7 @@ std::optional<double> left_s(const std::vector<record::LedgerRow>& rows, std::in
     return pace.left_s(maneuvers);
 }
 
-void read_campaign_into(Watched& w, const std::filesystem::path& directory) {
+void read_campaign_into(WatchedCampaign& w, const std::filesystem::path& directory) {
     constexpr std::size_t kOutcomes = 4;
     const std::filesystem::path file = ledger_file(directory);
     const record::Campaign campaign = newest_campaign(file);
@@ -118,7 +118,7 @@ class Watch {
             }
         }
     }
-    [[nodiscard]] const Watched& seen() const { return seen_; }
+    [[nodiscard]] const WatchedCampaign& seen() const { return seen_; }
     [[nodiscard]] const StripChart& chart() const { return chart_; }
     void scenario(const std::string& title) { seen_.scenario = title; }
 
@@ -177,7 +177,7 @@ class Watch {
     BusRecorder bus_;
     RigTime rig_time_;
     StripChart chart_;
-    Watched seen_;
+    WatchedCampaign seen_;
     double phase_began_s_ = 0.0;
     Time next_ledger_{};
 };

@@ -66,30 +66,30 @@ std::vector<std::string> draw(const Strip& strip, const std::deque<StripSample>&
     return lines;
 }
 
-std::string phase_text(const Watched& w) {
+std::string phase_text(const WatchedCampaign& w) {
     return w.phase ? std::string(name(*w.phase)) : "phase unknown";
 }
 
-std::string progress(const Watched& w) {
+std::string progress(const WatchedCampaign& w) {
     const std::string number = w.number > 0 ? fmt::format("maneuver {}", w.number) : "no maneuver";
     if (w.campaign.empty()) return fmt::format("{}: {}", w.scenario, number);
     return fmt::format("{}: {}, {} of {} finished, {}", w.campaign, number, w.finished, w.planned,
                        w.left_s ? duration_text(*w.left_s) + " left" : "time left unknown");
 }
 
-std::string road_text(const Watched& w) {
+std::string road_text(const WatchedCampaign& w) {
     if (!w.road) return "not heard";
     return fmt::format("grip {:.2f} kN at slip {:.3f}, confidence {:.2f}", static_cast<double>(w.road->grip_N) * 1e-3,
                        static_cast<double>(w.road->peak_slip), static_cast<double>(w.road->confidence));
 }
 
-std::string fault_text(const Watched& w) {
+std::string fault_text(const WatchedCampaign& w) {
     return w.faults.empty() ? "none" : fmt::format("{}", fmt::join(w.faults, " "));
 }
 
 }  // namespace
 
-std::string to_text(const BridgeSigns& s) {
+std::string to_text(const BridgeActivity& s) {
     if (received(s)) return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
     std::string silence = s.silent_s ? fmt::format("silent for {}", duration_text(*s.silent_s)) : "not heard";
     if (!s.with_ledger) return silence;
@@ -98,7 +98,7 @@ std::string to_text(const BridgeSigns& s) {
     return silence + ": nobody runs this campaign";
 }
 
-std::vector<std::string> watch_screen(const Watched& w, const StripChart& chart) {
+std::vector<std::string> watch_screen(const WatchedCampaign& w, const StripChart& chart) {
     constexpr std::size_t kColumns = 80;
     std::vector<std::string> lines{progress(w), "bridge " + to_text(w.bridge)};
     if (!w.hold.empty()) lines.push_back("HOLD: " + w.hold);
@@ -118,7 +118,7 @@ std::vector<std::string> watch_screen(const Watched& w, const StripChart& chart)
     return lines;
 }
 
-std::string watch_line(const Watched& w) {
+std::string watch_line(const WatchedCampaign& w) {
     return fmt::format("{}; bridge {}{}; {} {:.1f} s; {:.2f} m/s, slip {:.3f}, {:.2f} MPa, {:.2f} kN, {:.2f} mA; controller {}; faults: {}{}{}{}",
                        progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s, w.rim_mps, w.slip,
                        w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w),
@@ -126,7 +126,7 @@ std::string watch_line(const Watched& w) {
                        w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
 }
 
-std::string watch_json(const Watched& w) {
+std::string watch_json(const WatchedCampaign& w) {
     settings::Json json{{"campaign", w.campaign}, {"scenario", w.scenario}, {"number", w.number}, {"finished", w.finished}, {"planned", w.planned}};
     json["left_s"] = w.left_s ? settings::Json(*w.left_s) : nullptr;
     json["specimen"] = w.specimen;

@@ -40,14 +40,14 @@ class StripChart {
 };
 
 /// Whether and by whom the campaign is run, by bus and ledger.
-struct BridgeSigns {
+struct BridgeActivity {
     std::optional<double> silent_s;  ///< since its last frame on the bus; none: no frame so far
     bool with_ledger = false;        ///< whether the members below are known
     bool held = false;               ///< a process has the ledger open for writing
     std::int64_t running = 0;        ///< the maneuver that the ledger has as running; 0: none
 };
 
-struct Watched {
+struct WatchedCampaign {
     // Of the ledger; without one only the scenario.
     std::string campaign;  ///< empty: no ledger
     std::string scenario;
@@ -58,7 +58,7 @@ struct Watched {
     std::vector<std::string> outcomes;  ///< the last ones, oldest first: "0007 finished"
     std::string hold;                   ///< as to_text(Hold); empty: it is not held
     std::string ledger_error;           ///< why it could not be read
-    BridgeSigns bridge;
+    BridgeActivity bridge;
 
     // Of the bus.
     bool bus_up = false;
@@ -84,17 +84,17 @@ struct Watched {
 /// Largest age of the last frame of a running bridge.
 inline constexpr double kBridgeSilent_s = 1.0;
 
-[[nodiscard]] inline bool received(const BridgeSigns& signs) {
+[[nodiscard]] inline bool received(const BridgeActivity& signs) {
     return signs.silent_s && *signs.silent_s <= kBridgeSilent_s;
 }
 /// For people: running, silent, dead, or no bridge.
-[[nodiscard]] std::string to_text(const BridgeSigns& signs);
+[[nodiscard]] std::string to_text(const BridgeActivity& signs);
 
 /// None of its lines wider than 80 columns.
-[[nodiscard]] std::vector<std::string> watch_screen(const Watched& watched, const StripChart& chart);
+[[nodiscard]] std::vector<std::string> watch_screen(const WatchedCampaign& watched, const StripChart& chart);
 /// The same as one line, for logs.
-[[nodiscard]] std::string watch_line(const Watched& watched);
+[[nodiscard]] std::string watch_line(const WatchedCampaign& watched);
 /// One JSON object in one line; units in the keys, null for what is not known.
-[[nodiscard]] std::string watch_json(const Watched& watched);
+[[nodiscard]] std::string watch_json(const WatchedCampaign& watched);
 
 }  // namespace rig::bridge

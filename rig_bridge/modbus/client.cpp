@@ -280,12 +280,12 @@ class ModbusClient::Impl {
         }
         if (!image) return std::nullopt;
         const Field& commit = map_.field(Commanded::commit);
-        std::array<std::uint16_t, 1> standing{};
+        std::array<std::uint16_t, 1> held{};
         count_request();
-        if (auto failed = connection_.read_holdings(commit.address, standing)) return failed;
+        if (auto failed = connection_.read_holdings(commit.address, held)) return failed;
         {
             const std::lock_guard lock(mutex_);
-            commands_.standing(standing[0]);
+            commands_.register_holds(held[0]);
         }
         for (const Block& block : command_blocks_) {
             count_request();

@@ -108,7 +108,7 @@ void CommandTracker::count_foreign(std::uint16_t number) {
     standing_ = number;
 }
 
-void CommandTracker::standing(std::uint16_t commit) {
+void CommandTracker::register_holds(std::uint16_t commit) {
     if (commit == standing_ || commit == commit_ || commit == 0) return;
     count_foreign(commit);
     expect(commit);  // the PLC's answer to it must not count as a second command

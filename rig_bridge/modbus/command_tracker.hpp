@@ -37,7 +37,7 @@ class CommandTracker {
     [[nodiscard]] std::optional<RegisterImage> due();
     /// Call with the PLC's commit register before sending due(). A number that is neither one of ours nor 0 belongs to another client's command,
     /// which ours will replace: it is counted as foreign.
-    void standing(std::uint16_t commit);
+    void register_holds(std::uint16_t commit);
     /// Call when everything of due() but the commit number is written, and the number is sent now. want() may have changed meanwhile.
     void sending(const RegisterImage& image);
     /// Call with the PLC's registers. A change to a number that is not ours is a command of another client: it is counted as foreign, and ours is due

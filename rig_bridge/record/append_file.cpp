@@ -16,7 +16,7 @@ constexpr std::size_t kLongestLine = 4096;
 
 std::unique_ptr<settings::File> create(const std::filesystem::path& path, const settings::Storage& storage) {
     if (path.has_parent_path()) settings::create_directories(path.parent_path(), storage);
-    settings::Opened opened = storage.create(path);
+    settings::OpenResult opened = storage.create(path);
     if (opened.error == 0) opened.error = storage.sync_directory(path.parent_path());
     if (opened.error != 0) throw std::runtime_error(path.string() + ": " + std::strerror(opened.error));
     return std::move(opened.file);

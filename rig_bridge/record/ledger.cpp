@@ -313,7 +313,7 @@ std::unique_ptr<settings::File> LedgerLock::take(const std::filesystem::path& le
     try {
         auto held = storage.hold(lock_file(ledger), "process " + std::to_string(getpid()));
         if (auto* const mine = std::get_if<std::unique_ptr<settings::File>>(&held)) return std::move(*mine);
-        const std::string& who = std::get<settings::HeldBy>(held).who;
+        const std::string& who = std::get<settings::LockHolder>(held).who;
         throw LedgerError(ledger.string() + ": is held by another program" + (who.empty() ? "" : " (" + who + ")") +
                           "; one bridge at a time may run campaigns on it");
     } catch (const std::system_error& error) {

@@ -94,7 +94,7 @@ Field read_field(const Table& table, std::string_view unit) {
 }
 
 /// Addresses in use in one register space.
-class Occupied {
+class UsedAddresses {
   public:
     void add(const Table& table, const Field& field) {
         const int last = field.address + width(field.type) - 1;
@@ -121,12 +121,12 @@ void require_range(const Table& table, const Field& field, double max) {
 }
 
 void read_inputs(const Table& inputs, RegisterMap& map) {
-    Occupied occupied;
+    UsedAddresses used;
     for (std::size_t i = 0; i < kMeasuredCount; ++i) {
         const auto q = static_cast<Measured>(i);
         const Table table = inputs.table(name(q));
         map.measured[i] = read_field(table, kMeasuredUnits[i]);
-        occupied.add(table, map.measured[i]);
+        used.add(table, map.measured[i]);
         if (q == Measured::plc_watchdog || q == Measured::applied_commit || q == Measured::rejected_commit)
             require_range(table, map.measured[i], 65535.0);
     }
@@ -136,13 +136,13 @@ void read_inputs(const Table& inputs, RegisterMap& map) {
 }
 
 void read_holdings(const Table& root, RegisterMap& map) {
-    Occupied occupied;
+    UsedAddresses used;
     const Table holdings = root.table("holding");
     for (std::size_t i = 0; i < kCommandedCount; ++i) {
         const auto q = static_cast<Commanded>(i);
         const Table table = holdings.table(name(q));
         map.commanded[i] = read_field(table, kCommandedUnits[i]);
-        occupied.add(table, map.commanded[i]);
+        used.add(table, map.commanded[i]);
         const bool counter = q == Commanded::bridge_watchdog || q == Commanded::commit;
         const bool pure = kCommandedUnits[i].empty();
         require_range(table, map.commanded[i], counter ? 65535.0 : pure ? 1.0 : 0.0);
@@ -150,16 +150,16 @@ void read_holdings(const Table& root, RegisterMap& map) {
     const Table faults = root.table("virtual");
     const Table open = faults.table("open_interlocks");
     map.open_interlocks = read_field(open, "");
-    occupied.add(open, map.open_interlocks);
+    used.add(open, map.open_interlocks);
     const Table hang = faults.table("hang_s");
     map.hang_s = read_field(hang, "s");
     if (map.hang_s.min != 0.0) hang.fail("range", "must begin at 0");
-    occupied.add(hang, map.hang_s);
+    used.add(hang, map.hang_s);
     if (!faults.has("bridge_turn")) return;
     const Table turn = faults.table("bridge_turn");
     map.bridge_turn = read_field(turn, "");
     require_range(turn, *map.bridge_turn, 65535.0);
-    occupied.add(turn, *map.bridge_turn);
+    used.add(turn, *map.bridge_turn);
 }
 
 void read_interlocks(const Table& table, RegisterMap& map) {

@@ -11,9 +11,9 @@
 
 using can_test::TempDir;
 using rig::Phase;
-using rig::bridge::BridgeSigns;
+using rig::bridge::BridgeActivity;
 using rig::bridge::StripChart;
-using rig::bridge::Watched;
+using rig::bridge::WatchedCampaign;
 
 namespace {
 
@@ -23,8 +23,8 @@ std::filesystem::path script(const TempDir& dir, const std::string& text) {
     return file;
 }
 
-Watched watched_braking() {
-    Watched w;
+WatchedCampaign watched_braking() {
+    WatchedCampaign w;
     w.campaign = "brake7";
     w.scenario = "light";
     w.finished = 6;
@@ -70,15 +70,15 @@ TEST_CASE("A hold says who, since when and why, and whoever made it", "[BRG-471]
 }
 
 TEST_CASE("A campaign that is held waits for its start until a maneuver was begun, also where nobody can read who holds it", "[BRG-471]") {
-    using rig::bridge::Standing;
+    using rig::bridge::HoldStatus;
     const TempDir dir;
     const auto place = dir.write("x", "").parent_path();
-    CHECK(rig::bridge::standing(place, false) == Standing::runs);
+    CHECK(rig::bridge::hold_status(place, false) == HoldStatus::runs);
     static_cast<void>(dir.write("campaign.hold", "spoilt"));
-    CHECK(rig::bridge::standing(place, false) == Standing::waits);
-    CHECK(rig::bridge::standing(place, true) == Standing::held);
+    CHECK(rig::bridge::hold_status(place, false) == HoldStatus::waits);
+    CHECK(rig::bridge::hold_status(place, true) == HoldStatus::held);
     CHECK(rig::bridge::remove_hold(place));
-    CHECK(rig::bridge::standing(place, true) == Standing::runs);
+    CHECK(rig::bridge::hold_status(place, true) == HoldStatus::runs);
 }
 
 TEST_CASE("The program for aborts is told what happened, line by line and without a shell", "[BRG-471]") {
@@ -118,7 +118,7 @@ TEST_CASE("A program for aborts that fails or hangs is named, and holds nobody",
 
 TEST_CASE("Who runs the campaign is told from bus and ledger", "[BRG-420]") {
     const auto says = [](std::optional<double> silent_s, bool with_ledger, bool held, std::int64_t running) {
-        return to_text(BridgeSigns{silent_s, with_ledger, held, running});
+        return to_text(BridgeActivity{silent_s, with_ledger, held, running});
     };
     CHECK(says(0.02, true, true, 7) == "at work");
     CHECK(says(0.02, false, false, 0) == "at work");
@@ -131,7 +131,7 @@ TEST_CASE("Who runs the campaign is told from bus and ledger", "[BRG-420]") {
 
 TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 columns", "[BRG-420]") {
     StripChart chart;
-    Watched w = watched_braking();
+    WatchedCampaign w = watched_braking();
     const auto lines = watch_screen(w, chart);
     REQUIRE(lines.size() == 8 + 13);
     CHECK(lines[0] == "brake7: maneuver 7, 6 of 500 finished, 3 h 12 min left");
@@ -161,11 +161,11 @@ TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 column
     CHECK(more[12] == "ledger: locked");
     for (const std::string& line : more) CHECK(line.size() <= 80);
     CHECK_THAT(watch_line(w), ContainsSubstring("HOLD: held by A. Rossi") && ContainsSubstring(w.senders) && ContainsSubstring("BUS DOWN"));
-    CHECK(watch_screen(Watched{}, chart)[0] == ": no maneuver");
+    CHECK(watch_screen(WatchedCampaign{}, chart)[0] == ": no maneuver");
 }
 
 TEST_CASE("The watch's JSON is one line with null for what is not known", "[BRG-420]") {
-    Watched w = watched_braking();
+    WatchedCampaign w = watched_braking();
     const std::string text = watch_json(w);
     CHECK(text.find('\n') == std::string::npos);
     auto json = settings::parse_json(text);

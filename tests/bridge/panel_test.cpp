@@ -98,9 +98,9 @@ TEST_CASE("the page is told what may be asked of the campaign", "[BRG-522]") {
     const Moment m = moment();
     const ViewModel view = view_of(m, {});
     CHECK(state_of(m)["campaign"].is_null());
-    CHECK(settings::parse_json(panel_state(view, m, Standing::runs))["campaign"] == "runs");
-    CHECK(settings::parse_json(panel_state(view, m, Standing::waits))["campaign"] == "waits");
-    CHECK(settings::parse_json(panel_state(view, m, Standing::held))["campaign"] == "held");
+    CHECK(settings::parse_json(panel_state(view, m, HoldStatus::runs))["campaign"] == "runs");
+    CHECK(settings::parse_json(panel_state(view, m, HoldStatus::waits))["campaign"] == "waits");
+    CHECK(settings::parse_json(panel_state(view, m, HoldStatus::held))["campaign"] == "held");
 }
 
 TEST_CASE("landings left come with their interval, and with what the model was learnt from", "[BRG-522]") {

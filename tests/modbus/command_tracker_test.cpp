@@ -208,24 +208,24 @@ TEST_CASE("Somebody else's command that ours replaces before the PLC answers it 
     d.tracker.reconnected(41, 1s);
     d.tracker.seen(41, 0, 1s);
     d.tracker.want(speed(10.0), 1s);
-    d.tracker.standing(41);
+    d.tracker.register_holds(41);
     CHECK(d.tracker.foreign_commands() == 0);
     CHECK(d.send() == 42);
-    d.tracker.standing(42);
-    d.tracker.standing(0);  // a PLC that clears what it took
+    d.tracker.register_holds(42);
+    d.tracker.register_holds(0);  // a PLC that clears what it took
     CHECK(d.tracker.foreign_commands() == 0);
 
     d.tracker.want(speed(20.0), 2s);
-    d.tracker.standing(4711);
+    d.tracker.register_holds(4711);
     CHECK(d.tracker.foreign_commands() == 1);
     CHECK(d.tracker.foreign_commit() == 4711);
-    d.tracker.standing(4711);
+    d.tracker.register_holds(4711);
     CHECK(d.send() == 43);
     SECTION("the PLC looks at ours alone") {}
     SECTION("the PLC takes it over for a moment") {
         d.tracker.seen(4711, 0, 2s);
     }
-    d.tracker.standing(43);
+    d.tracker.register_holds(43);
     d.tracker.seen(43, 0, 3s);
     CHECK(d.tracker.state() == CommandState::applied);
     CHECK(d.tracker.foreign_commands() == 1);
@@ -238,19 +238,19 @@ TEST_CASE("Ours is ours where somebody else's was between it and the PLC's answe
     d.tracker.reconnected(41, 1s);
     d.tracker.seen(41, 0, 1s);
     d.tracker.want(speed(10.0), 1s);
-    d.tracker.standing(41);
+    d.tracker.register_holds(41);
     CHECK(d.send() == 42);
     SECTION("written after the register was read, and taken over before ours") {
         d.tracker.seen(4711, 0, 2s);
-        d.tracker.standing(42);
+        d.tracker.register_holds(42);
     }
     SECTION("found in the register while a slow PLC still answers the one before") {
         d.tracker.want(speed(20.0), 2s);
-        d.tracker.standing(4711);
+        d.tracker.register_holds(4711);
         CHECK(d.send() == 43);
         d.tracker.seen(42, 0, 2s);
         d.tracker.seen(4711, 0, 3s);
-        d.tracker.standing(43);
+        d.tracker.register_holds(43);
     }
     CHECK(d.tracker.foreign_commands() == 1);
     CHECK(d.tracker.foreign_commit() == 4711);

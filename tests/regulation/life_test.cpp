@@ -209,8 +209,9 @@ TEST_CASE("a share that is out of reach is no feasible life, and the limit that 
 
 TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-167]") {
     const wear::WearPlan plan = toy::plan(20, 0.3);
-    regulation::LivingPair pair(plan, {}, toy::kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
-                                {.policy = {}, .brake = brake(plan.brake_life_J), .tyre_life_J = plan.tyre_life_J, .rule = {}, .worst_stops = true});
+    regulation::UnfinishedLife pair(
+        plan, {}, toy::kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
+        {.policy = {}, .brake = brake(plan.brake_life_J), .tyre_life_J = plan.tyre_life_J, .rule = {}, .worst_stops = true});
     for (int landing = 0; !pair.over(); ++landing) {
         std::vector<Stop> stops = landed_all(pair.requests());
         REQUIRE(stops.size() == 3);
@@ -229,13 +230,13 @@ TEST_CASE("a surface that nobody reckoned with bounds the references once it was
     constexpr std::size_t kFirst = 10;
     for (std::size_t i = 0; i < kFirst; ++i) draws[i].scenario %= 3;
     draws[kFirst].scenario = 3;
-    regulation::LivingPair pair(plan, {}, kWide, draws,
-                                {.policy = {},
-                                 .brake = brake(plan.brake_life_J),
-                                 .tyre_life_J = plan.tyre_life_J,
-                                 .rule = {},
-                                 .allowed_on = allowed_on,
-                                 .worst_stops = true});
+    regulation::UnfinishedLife pair(plan, {}, kWide, draws,
+                                    {.policy = {},
+                                     .brake = brake(plan.brake_life_J),
+                                     .tyre_life_J = plan.tyre_life_J,
+                                     .rule = {},
+                                     .allowed_on = allowed_on,
+                                     .worst_stops = true});
     while (!pair.over()) pair.landed(landed_all(pair.requests()));
     const Life life = pair.life();
     for (std::size_t i = 0; i < life.rows.size(); ++i) {

@@ -44,9 +44,9 @@ class Careless final : public settings::Storage {
   public:
     Careless(std::shared_ptr<const settings::Storage> disk, Mistake mistake) : disk_(std::move(disk)), mistake_(mistake) {}
 
-    settings::Opened open(const std::filesystem::path& path) const override { return disk_->open(path); }
-    settings::Opened create(const std::filesystem::path& path) const override {
-        settings::Opened opened = disk_->create(path);
+    settings::OpenResult open(const std::filesystem::path& path) const override { return disk_->open(path); }
+    settings::OpenResult create(const std::filesystem::path& path) const override {
+        settings::OpenResult opened = disk_->create(path);
         if (!opened.file) return opened;
         std::shared_ptr<settings::File> file = std::move(opened.file);
         // Only what is renamed is synced late; a log is synced as it grows.
@@ -69,10 +69,11 @@ class Careless final : public settings::Storage {
     int remove(const std::filesystem::path& path) const override { return disk_->remove(path); }
     std::filesystem::file_status status(const std::filesystem::path& path) const override { return disk_->status(path); }
     std::filesystem::path canonical(const std::filesystem::path& path) const override { return disk_->canonical(path); }
-    std::variant<std::unique_ptr<settings::File>, settings::HeldBy> hold(const std::filesystem::path& path, const std::string& who) const override {
+    std::variant<std::unique_ptr<settings::File>, settings::LockHolder> hold(const std::filesystem::path& path,
+                                                                             const std::string& who) const override {
         return disk_->hold(path, who);
     }
-    std::optional<settings::HeldBy> held_by(const std::filesystem::path& path) const override { return disk_->held_by(path); }
+    std::optional<settings::LockHolder> held_by(const std::filesystem::path& path) const override { return disk_->held_by(path); }
     const char* sqlite_vfs() const override { return disk_->sqlite_vfs(); }
 
   private:

@@ -23,7 +23,7 @@ bool there(const SimulatedDisk& disk, const std::string& path) {
 }
 
 std::unique_ptr<settings::File> new_file(const SimulatedDisk& disk, const std::string& path) {
-    settings::Opened opened = disk.create(path);
+    settings::OpenResult opened = disk.create(path);
     REQUIRE(opened.file);
     return std::move(opened.file);
 }

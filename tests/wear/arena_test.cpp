@@ -36,9 +36,9 @@ TEST_CASE("every law wears a brake out, in a life that scatters about the mean",
 
 TEST_CASE("nobody is better than the oracle, whatever the number of threads", "[WEAR-070]") {
     const Result one = run(small_plan(1)), two = run(small_plan(2));
-    const auto& oracle = one.within.at(static_cast<std::size_t>(Entrant::oracle));
+    const auto& oracle = one.within.at(static_cast<std::size_t>(Method::oracle));
     for (std::size_t e = 0; e < one.within.size(); ++e) {
-        INFO(kEntrantNames.at(e));
+        INFO(kMethodNames.at(e));
         CHECK(one.within.at(e).crps >= oracle.crps);
         CHECK(one.within.at(e).crps == two.within.at(e).crps);
         CHECK(one.across.value().at(e).crps == two.across.value().at(e).crps);
@@ -51,15 +51,15 @@ TEST_CASE("across laws what is shipped loses less than the filter alone, and hol
     plan.laws = {Law::archard, Law::oxidation};
     plan.training_lives = 6;
     const Result result = run(plan);
-    const auto sum = [&](Entrant e, double LeftScore::*value) {
+    const auto sum = [&](Method e, double LeftScore::*value) {
         double all = 0.0;
         for (const LeftScore& left : result.across.value().at(static_cast<std::size_t>(e)).left) all += left.*value / kTenths;
         return all;
     };
-    CHECK(sum(Entrant::shipped, &LeftScore::crps) < sum(Entrant::filter, &LeftScore::crps));
-    CHECK(sum(Entrant::shipped, &LeftScore::held) > sum(Entrant::filter, &LeftScore::held));
-    CHECK(sum(Entrant::past_lives, &LeftScore::skill) == 0.0);
-    CHECK(sum(Entrant::oracle, &LeftScore::skill) == Approx(1.0));
+    CHECK(sum(Method::shipped, &LeftScore::crps) < sum(Method::filter, &LeftScore::crps));
+    CHECK(sum(Method::shipped, &LeftScore::held) > sum(Method::filter, &LeftScore::held));
+    CHECK(sum(Method::past_lives, &LeftScore::skill) == 0.0);
+    CHECK(sum(Method::oracle, &LeftScore::skill) == Approx(1.0));
     CHECK(result.within_by_law.size() == 2);
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("scores of who knows the truth are those of a normal distribution in c
     Plan plan = small_plan(2);
     plan.judged_lives = 12;
     const Result result = run(plan);
-    const Score& oracle = result.within.at(static_cast<std::size_t>(Entrant::oracle));
+    const Score& oracle = result.within.at(static_cast<std::size_t>(Method::oracle));
     CHECK(oracle.crps == Approx(Brake::kFresh / std::sqrt(std::numbers::pi)).epsilon(0.05));
     CHECK(oracle.log_score == Approx(0.5 * std::log(2.0 * std::numbers::pi * std::numbers::e) + std::log(Brake::kFresh)).margin(0.05));
     CHECK(oracle.pit < 0.04);  // 1.63 over the root of some 1,900 readings: 1 of 100

@@ -35,7 +35,7 @@ class TemporaryFile {
     TemporaryFile(const fs::path& directory, const Storage& storage, const Rejection& rejection) : storage_(storage) {
         for (int attempt = 0; !file_; ++attempt) {
             path_ = directory / (".write-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp");
-            Opened opened = storage_.create(path_);
+            OpenResult opened = storage_.create(path_);
             if (opened.error != EEXIST) rejection.if_failed("cannot be written in its directory", opened.error);
             file_ = std::move(opened.file);
         }

@@ -49,7 +49,7 @@ class PosixFile final : public File {
     FileDescriptor file_;
 };
 
-Opened opened(int descriptor) {
+OpenResult opened(int descriptor) {
     if (descriptor < 0) return {.file = nullptr, .error = errno};
     return {.file = std::make_unique<PosixFile>(descriptor)};
 }
@@ -78,7 +78,7 @@ bool locks(int file) {
     return false;
 }
 
-HeldBy read_holder(int file) {
+LockHolder read_holder(int file) {
     std::array<char, 512> text{};
     const ssize_t size = pread(file, text.data(), text.size(), 0);
     const std::string_view all(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
@@ -87,11 +87,11 @@ HeldBy read_holder(int file) {
 
 }  // namespace
 
-Opened PosixStorage::open(const fs::path& path) const {
+OpenResult PosixStorage::open(const fs::path& path) const {
     return opened(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
 }
 
-Opened PosixStorage::create(const fs::path& path) const {
+OpenResult PosixStorage::create(const fs::path& path) const {
     return opened(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
 }
 
@@ -122,7 +122,7 @@ fs::path PosixStorage::canonical(const fs::path& path) const {
     return fs::canonical(path);
 }
 
-std::variant<std::unique_ptr<File>, HeldBy> PosixStorage::hold(const fs::path& path, const std::string& who) const {
+std::variant<std::unique_ptr<File>, LockHolder> PosixStorage::hold(const fs::path& path, const std::string& who) const {
     const int file = open_or_make(path.string());
     if (file < 0) throw std::system_error(errno, std::generic_category(), path.string());
     auto held = std::make_unique<PosixFile>(file);
@@ -133,7 +133,7 @@ std::variant<std::unique_ptr<File>, HeldBy> PosixStorage::hold(const fs::path& p
     return held;
 }
 
-std::optional<HeldBy> PosixStorage::held_by(const fs::path& path) const {
+std::optional<LockHolder> PosixStorage::held_by(const fs::path& path) const {
     const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
     if (!file.is_open() || flock(file.get(), LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK) return std::nullopt;
     return read_holder(file.get());

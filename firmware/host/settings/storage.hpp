@@ -32,13 +32,13 @@ class File {
     [[nodiscard]] virtual int close() = 0;
 };
 
-struct Opened {
+struct OpenResult {
     std::unique_ptr<File> file;  ///< none: see `error`
     int error = 0;
 };
 
 /// The text that the program holding a file has written into it; empty if it wrote none.
-struct HeldBy {
+struct LockHolder {
     std::string who;
 };
 
@@ -49,8 +49,8 @@ class Storage {
     Storage(const Storage&) = delete;
     Storage& operator=(const Storage&) = delete;
 
-    [[nodiscard]] virtual Opened open(const std::filesystem::path& path) const = 0;    ///< to read
-    [[nodiscard]] virtual Opened create(const std::filesystem::path& path) const = 0;  ///< EEXIST: exists already
+    [[nodiscard]] virtual OpenResult open(const std::filesystem::path& path) const = 0;    ///< to read
+    [[nodiscard]] virtual OpenResult create(const std::filesystem::path& path) const = 0;  ///< EEXIST: exists already
     [[nodiscard]] virtual int make_directory(const std::filesystem::path& path) const = 0;
     /// fsync: the names in the directory survive a power cut.
     [[nodiscard]] virtual int sync_directory(const std::filesystem::path& path) const = 0;
@@ -63,9 +63,9 @@ class Storage {
 
     /// Locks `path` exclusively until the returned file is destroyed or the program ends, in whatever way; the file itself remains. Creates it if
     /// needed and writes `who` into it, one line that a second program can report. Throws std::system_error naming the file.
-    [[nodiscard]] virtual std::variant<std::unique_ptr<File>, HeldBy> hold(const std::filesystem::path& path, const std::string& who) const = 0;
+    [[nodiscard]] virtual std::variant<std::unique_ptr<File>, LockHolder> hold(const std::filesystem::path& path, const std::string& who) const = 0;
     /// The holder, without locking; none if the file is not held, is missing or cannot be read.
-    [[nodiscard]] virtual std::optional<HeldBy> held_by(const std::filesystem::path& path) const = 0;
+    [[nodiscard]] virtual std::optional<LockHolder> held_by(const std::filesystem::path& path) const = 0;
 
     /// Name of the SQLite VFS for the same files; null: SQLite's default.
     [[nodiscard]] virtual const char* sqlite_vfs() const { return nullptr; }
@@ -74,8 +74,8 @@ class Storage {
 /// The computer's file system.
 class PosixStorage final : public Storage {
   public:
-    [[nodiscard]] Opened open(const std::filesystem::path& path) const override;
-    [[nodiscard]] Opened create(const std::filesystem::path& path) const override;
+    [[nodiscard]] OpenResult open(const std::filesystem::path& path) const override;
+    [[nodiscard]] OpenResult create(const std::filesystem::path& path) const override;
     [[nodiscard]] int make_directory(const std::filesystem::path& path) const override;
     [[nodiscard]] int sync_directory(const std::filesystem::path& path) const override;
     [[nodiscard]] int rename(const std::filesystem::path& from, const std::filesystem::path& to) const override;
@@ -83,8 +83,8 @@ class PosixStorage final : public Storage {
     [[nodiscard]] std::filesystem::file_status status(const std::filesystem::path& path) const override;
     [[nodiscard]] std::filesystem::path canonical(const std::filesystem::path& path) const override;
     /// By flock(2).
-    [[nodiscard]] std::variant<std::unique_ptr<File>, HeldBy> hold(const std::filesystem::path& path, const std::string& who) const override;
-    [[nodiscard]] std::optional<HeldBy> held_by(const std::filesystem::path& path) const override;
+    [[nodiscard]] std::variant<std::unique_ptr<File>, LockHolder> hold(const std::filesystem::path& path, const std::string& who) const override;
+    [[nodiscard]] std::optional<LockHolder> held_by(const std::filesystem::path& path) const override;
 };
 
 }  // namespace settings

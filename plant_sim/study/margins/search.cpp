@@ -34,28 +34,28 @@ struct Candidate {
 };
 
 /// Scores in the order of the candidates.
-class Jury {
+class Scorer {
   public:
-    Jury(const Score& score, unsigned threads, const SearchProgress& progress) : score_(score), threads_(threads), progress_(progress) {}
+    Scorer(const Score& score, unsigned threads, const SearchProgress& progress) : score_(score), threads_(threads), progress_(progress) {}
 
-    [[nodiscard]] std::vector<double> judge(const std::vector<Candidate>& candidates, std::size_t all) {
-        std::vector<double> scores(candidates.size());
+    [[nodiscard]] std::vector<double> scores(const std::vector<Candidate>& candidates, std::size_t all) {
+        std::vector<double> out(candidates.size());
         std::mutex mutex;
         wear::run_jobs(threads_, candidates.size(), [&](std::size_t i) {
-            scores[i] = score_(candidates[i].values, candidates[i].to_beat);
+            out[i] = score_(candidates[i].values, candidates[i].to_beat);
             const std::scoped_lock lock(mutex);
-            ++judged_;
-            if (progress_) progress_(static_cast<std::size_t>(judged_), all);
+            ++scored_;
+            if (progress_) progress_(static_cast<std::size_t>(scored_), all);
         });
-        return scores;
+        return out;
     }
-    [[nodiscard]] int judged() const { return judged_; }
+    [[nodiscard]] int scored() const { return scored_; }
 
   private:
     const Score& score_;
     unsigned threads_;
     const SearchProgress& progress_;
-    int judged_ = 0;
+    int scored_ = 0;
 };
 
 }  // namespace
@@ -82,7 +82,7 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
         return v;
     };
     const auto all = static_cast<std::size_t>(options.population) * (static_cast<std::size_t>(options.generations) + 1);
-    Jury jury(score, options.threads, progress);
+    Scorer scorer(score, options.threads, progress);
     std::vector<Candidate> candidates(members);
     for (std::size_t i = 0; i < members; ++i) {
         for (std::size_t k = 0; k < n; ++k) {
@@ -91,7 +91,7 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
         }
         candidates[i].values = values(place[i]);
     }
-    std::vector<double> scores = jury.judge(candidates, all);
+    std::vector<double> scores = scorer.scores(candidates, all);
     const auto best = [&scores] { return static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin()); };
     std::vector<std::vector<double>> trials(members);
     for (int g = 0; g < options.generations; ++g) {
@@ -107,22 +107,22 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
             }
             candidates[i] = {values(trials[i]), scores[i]};
         }
-        const std::vector<double> found = jury.judge(candidates, all);
+        const std::vector<double> found = scorer.scores(candidates, all);
         for (std::size_t i = 0; i < members; ++i) {
             if (found[i] < scores[i]) continue;
             place[i] = trials[i];
             scores[i] = found[i];
         }
     }
-    return {values(place[best()]), scores[best()], jury.judged()};
+    return {values(place[best()]), scores[best()], scorer.scored()};
 }
 
 Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score, double min_gain,
             const SearchOptions& options, const SearchProgress& progress) {
     if (start.size() != parameters.size() || !(min_gain > 0.0))
         throw std::invalid_argument("a climb needs a start for each parameter and a least gain above zero");
-    Jury jury(score, options.threads, progress);
-    Found found{start, jury.judge({{start}}, 1).front(), 1};
+    Scorer scorer(score, options.threads, progress);
+    Found found{start, scorer.scores({{start}}, 1).front(), 1};
     constexpr std::array<int, 3> kSteps{20, 5, 1};
     for (std::size_t size = 0; size < kSteps.size();) {
         std::vector<Candidate> candidates;
@@ -134,8 +134,8 @@ Found climb(const std::vector<Parameter>& parameters, const std::vector<double>&
                 if (x[k] != found.values[k]) candidates.push_back({std::move(x), found.score + min_gain});
             }
         }
-        const std::vector<double> scores = jury.judge(candidates, static_cast<std::size_t>(jury.judged()) + candidates.size());
-        found.evaluations = jury.judged();
+        const std::vector<double> scores = scorer.scores(candidates, static_cast<std::size_t>(scorer.scored()) + candidates.size());
+        found.evaluations = scorer.scored();
         const auto best = std::max_element(scores.begin(), scores.end());
         if (best == scores.end() || *best < found.score + min_gain) {
             ++size;

@@ -25,8 +25,8 @@ wear::LiningLaw drawn_law(double lining_J, wear::Generator& generator) {
             .measurement = times(0.004, 0.20)};
 }
 
-LivingPair pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, const Policy& policy, const Truth& truth,
-                   const FleetOptions& options, std::uint64_t life, bool worst_stops) {
+UnfinishedLife pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, const Policy& policy, const Truth& truth,
+                       const FleetOptions& options, std::uint64_t life, bool worst_stops) {
     constexpr std::size_t kBeyond = 4;  // times the plan: enough for a brake and a tyre with long lives
     const auto planned = static_cast<std::size_t>(plan.landings);
     LifeOptions own = options.each;
@@ -61,7 +61,7 @@ Truth truth_of(const wear::WearPlan& plan, const wear::BrakeWear& planned, const
 std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
                                    const std::vector<Policy>& policies, const wear::BrakeWear& brake, const FleetOptions& options,
                                    const Lander& land) {
-    std::vector<LivingPair> pairs;  // all policies of the first life, then of the second
+    std::vector<UnfinishedLife> pairs;  // all policies of the first life, then of the second
     pairs.reserve(static_cast<std::size_t>(options.lives) * policies.size());
     for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(options.lives); ++life) {
         const Truth truth = truth_of(plan, brake, options, life);
@@ -69,7 +69,7 @@ std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules
             pairs.push_back(pair_of(plan, rules, range, policy, truth, options, life, options.worst_stops && &policy == &policies.front()));
     }
     struct Request {
-        LivingPair* pair;
+        UnfinishedLife* pair;
         std::size_t count;
     };
     std::vector<Request> asked;
@@ -78,7 +78,7 @@ std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules
     for (;;) {
         asked.clear();
         requests.clear();
-        for (LivingPair& pair : pairs) {
+        for (UnfinishedLife& pair : pairs) {
             if (pair.over()) continue;
             const std::vector<LandingRequest> own = pair.requests();
             asked.push_back({&pair, own.size()});

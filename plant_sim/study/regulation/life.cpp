@@ -111,8 +111,8 @@ std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t 
     return draws;
 }
 
-LivingPair::LivingPair(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, std::vector<Draw> draws,
-                       const LifeOptions& options)
+UnfinishedLife::UnfinishedLife(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, std::vector<Draw> draws,
+                               const LifeOptions& options)
     : range_(range),
       draws_(std::move(draws)),
       options_(options),
@@ -127,18 +127,18 @@ LivingPair::LivingPair(const wear::WearPlan& plan, const wear::Rules& rules, con
     if (inspected()) inspect();
 }
 
-bool LivingPair::over() const {
+bool UnfinishedLife::over() const {
     const std::size_t landings = life_.rows.size();
     if (landings == draws_.size()) return true;
     const bool used_up = brake_J_ >= life_.brake_budget_J || tyre_J_ >= life_.tyre_budget_J;
     return used_up && landings >= static_cast<std::size_t>(regulator_.plan().landings);
 }
 
-Pair LivingPair::left() const {
+Pair UnfinishedLife::left() const {
     return {life_.brake_budget_J - brake_J_, life_.tyre_budget_J - tyre_J_};
 }
 
-double LivingPair::next_reference() const {
+double UnfinishedLife::next_reference() const {
     const Policy& policy = options_.policy;
     if (policy.fixed) return *policy.fixed;
     if (!policy.told && !policy.bound) return std::clamp(held_, range_.lowest, range_.highest);
@@ -146,7 +146,7 @@ double LivingPair::next_reference() const {
     return policy.bound ? options_.bound->best(left(), surface) : options_.references->reference(surface, held_);
 }
 
-std::vector<LandingRequest> LivingPair::requests() const {
+std::vector<LandingRequest> UnfinishedLife::requests() const {
     const double friction = brake_.next_friction();
     const Draw& draw = draws_[life_.rows.size()];
     std::vector<LandingRequest> requests{
@@ -159,7 +159,7 @@ std::vector<LandingRequest> LivingPair::requests() const {
     return requests;
 }
 
-void LivingPair::landed(std::span<const Stop> stops) {
+void UnfinishedLife::landed(std::span<const Stop> stops) {
     const Draw& draw = draws_[life_.rows.size()];
     const Stop& stop = stops.front();
     LifeRow row;
@@ -195,7 +195,7 @@ void LivingPair::landed(std::span<const Stop> stops) {
 }
 
 /// Reads the wear of both parts, each with its error.
-void LivingPair::inspect() {
+void UnfinishedLife::inspect() {
     constexpr std::uint64_t kStream = 1U << 21U;
     wear::Generator generator = wear::generator_of(options_.brake_seed, kStream + life_.rows.size());
     const auto seen = [&](double taken_J, double life_J) { return taken_J / life_J + options_.inspection.error * wear::normal(generator); };
@@ -207,7 +207,7 @@ void LivingPair::inspect() {
 }
 
 /// Passes the measured values of a landing to the regulator.
-void LivingPair::regulate(const Draw& draw, const Stop& stop, double reference) {
+void UnfinishedLife::regulate(const Draw& draw, const Stop& stop, double reference) {
     const Policy& policy = options_.policy;
     wear::Landing measured;
     if (draw.measured) {
@@ -232,7 +232,7 @@ void LivingPair::regulate(const Draw& draw, const Stop& stop, double reference) 
     if (inspected() && regulator_.landings() % options_.inspection.landings == 0) inspect();
 }
 
-Life LivingPair::life() const {
+Life UnfinishedLife::life() const {
     Life life = life_;
     judge(regulator_.plan(), range_, life);
     count(options_.costs, life);

@@ -127,12 +127,13 @@ inline constexpr double kDistanceNoise = 1e-2;
 
 /// An unfinished life:
 ///
-///     for (LivingPair pair(...); !pair.over();) pair.landed(stops_of(pair.requests()));
+///     for (UnfinishedLife pair(...); !pair.over();) pair.landed(stops_of(pair.requests()));
 ///     Life life = pair.life();
-class LivingPair {
+class UnfinishedLife {
   public:
     /// `draws` must reach beyond the planned landing; the life ends with them if no limit is reached. Throws as Regulator does.
-    LivingPair(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, std::vector<Draw> draws, const LifeOptions& options);
+    UnfinishedLife(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, std::vector<Draw> draws,
+                   const LifeOptions& options);
 
     [[nodiscard]] bool over() const;
     /// The next landing and, if LifeOptions requests it, the same one at both ends of the range. Only before over().
