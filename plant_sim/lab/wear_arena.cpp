@@ -19,17 +19,18 @@ namespace {
 using settings::Json;
 using wear::arena::Scores;
 
-constexpr std::array kForecasters{wear::arena::Method::past_lives,  wear::arena::Method::filter,   wear::arena::Method::shipped,
-                                  wear::arena::Method::life_curves, wear::arena::Method::law_told, wear::arena::Method::oracle};
+constexpr std::array kForecasters{wear::arena::Method::past_lives,   wear::arena::Method::shipped,  wear::arena::Method::past_lives_read,
+                                  wear::arena::Method::shipped_read, wear::arena::Method::law_told, wear::arena::Method::law_told_read,
+                                  wear::arena::Method::oracle};
 constexpr const char* kMadeUp = "lives made up by the laws of plant_sim/wear/rival_laws.hpp";
 
 std::string table_of(const Scores& scores) {
-    auto next = settings::TextTable::screen("next friction:>14|CRPS:>10.5f|log:>10.3f|PIT:>8.3f");
+    auto next = settings::TextTable::screen("next friction:>16|CRPS:>10.5f|log:>10.3f|PIT:>8.3f");
     for (std::size_t e = 0; e < scores.size(); ++e)
         next.add(wear::arena::kMethodNames.at(e), scores.at(e).crps, scores.at(e).log_score, scores.at(e).pit);
     std::string out = next.text();
     const auto block = [&](const char* title, int digits, double wear::arena::LeftScore::*value) {
-        std::string columns = fmt::format("{}:>14", title);
+        std::string columns = fmt::format("{}:>16", title);
         for (std::size_t k = 0; k < wear::arena::kTenths; ++k) columns += fmt::format("|{} %:>8.{}f", 10 * (k + 1), digits);
         auto table = settings::TextTable::screen(columns);
         for (std::size_t e = 0; e < scores.size(); ++e) {
@@ -50,7 +51,7 @@ std::string table_of(const Scores& scores) {
 std::string by_law(const std::vector<wear::arena::Law>& laws, const std::vector<Scores>& scores) {
     std::string columns = "judged law:>14";
     for (const wear::arena::Method e : kForecasters)
-        columns += fmt::format("|{}:>12.2f|skill:>8.2f", wear::arena::kMethodNames.at(static_cast<std::size_t>(e)));
+        columns += fmt::format("|{}:>16.2f|skill:>8.2f", wear::arena::kMethodNames.at(static_cast<std::size_t>(e)));
     auto table = settings::TextTable::screen(columns);
     for (std::size_t i = 0; i < laws.size(); ++i) {
         table.add(wear::arena::kLawNames.at(static_cast<std::size_t>(laws[i])));

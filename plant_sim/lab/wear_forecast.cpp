@@ -54,6 +54,13 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
     return text;
 }
 
+std::string readings_text(const wear::Campaign& campaign, const wear::Population& population) {
+    if (campaign.readings.empty()) return {};
+    return fmt::format("{} readings of the lining{}.\n", campaign.readings.size(),
+                       population.curves.lining.lives > 0 ? fmt::format(", weighed by those of {} lives", population.curves.lining.lives)
+                                                          : std::string(" are not used: these brakes were learnt from without any"));
+}
+
 struct ForecastCommand {
     std::filesystem::path source;
     std::string campaign;
@@ -84,7 +91,8 @@ struct ForecastCommand {
     [[nodiscard]] int run_forecast(const wear::PopulationFile& file, const wear::ResolvedRequest& resolved) const {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
-        print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix));
+        print_table(json_file, "By brakes {}.\n{}{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix),
+                    readings_text(recorded, file.population));
         write_json(out / "forecast.json", json_file, settings::json_page(answer.json));
         if (pictures) draw_forecast(recorded, answer.forecast, resolved.settings.limit, out / "forecast.png");
         print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");

@@ -130,14 +130,25 @@ Trained train(const Plan& plan, Law law) {
 using Left = std::vector<double>;
 
 /// Of a lognormal life that is longer than `landed`.
-Left lognormal_left(const Trained& t, double landed) {
+Left lognormal_left(const Trained& t, double landed, std::size_t count = kDraws) {
     const boost::math::lognormal life(t.log_life, t.log_life_deviation);
     const double longer = boost::math::cdf(complement(life, landed));
-    Left out(kDraws);
-    for (std::size_t i = 0; i < kDraws; ++i) {
-        const double share = (static_cast<double>(i) + 0.5) / kDraws;
+    Left out(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
         out[i] = boost::math::quantile(complement(life, longer * (1.0 - share))) - landed;
     }
+    return out;
+}
+
+/// The same, weighed by readings of the lining.
+Left read_left(const Trained& t, const Plan& plan, const LiningLikelihood& lining, double landed, double taken_J) {
+    if (!lining.any()) return lognormal_left(t, landed);
+    const double landing_J = plan.settings.mean_energy_J();
+    Left out = lognormal_left(t, landed, 20 * kDraws);
+    for (double& left : out) left = taken_J + left * landing_J;
+    out = lining.given(out, kDraws);
+    for (double& left : out) left = (left - taken_J) / landing_J;
     return out;
 }
 
@@ -209,10 +220,11 @@ bool asked(std::size_t& tenth, std::size_t landed, std::size_t life) {
 }
 
 /// The method that is told the law learns from nobody: once for each judged life.
-Tally judge_told(const Plan& plan, Law law, std::uint64_t seed) {
+Tally judge_told(const Plan& plan, Law law, std::uint64_t seed, bool reads) {
     const Life life = live(law, plan.settings, seed);
     const std::vector<Point>& points = life.campaign.points;
     LawFilter filter(law, plan.settings, seed);
+    auto reading = life.campaign.readings.begin();
     Tally out;
     std::size_t tenth = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -226,6 +238,7 @@ Tally judge_told(const Plan& plan, Law law, std::uint64_t seed) {
             out.landings(tenth - 1, left, static_cast<double>(points.size() - i));
         }
         filter.learn(points[i]);
+        for (; reads && reading != life.campaign.readings.end() && reading->c_e_J <= points[i].c_e_J; ++reading) filter.read(*reading);
     }
     return out;
 }
@@ -233,7 +246,9 @@ Tally judge_told(const Plan& plan, Law law, std::uint64_t seed) {
 Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
     const Life life = live(law, plan.settings, seed);
     const std::vector<Point>& points = life.campaign.points;
-    LandingsForecast shipped(t.population);
+    LandingsForecast shipped(t.population), shipped_read(t.population);
+    LiningLikelihood lining(t.population.curves);
+    auto reading = life.campaign.readings.begin();
     const BrakeFilter& filter = shipped.filter();
     ForecastSettings ask;
     ask.limit = plan.settings.limit;
@@ -252,7 +267,7 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
             const double taken_J = points[i - 1].c_e_J, next_J = taken_J + plan.settings.mean_energy_J();
             const double newest = points[i - 1].mean_friction;
             of(Method::persistence).next({{{1.0, newest, t.step * t.step}}}, x);
-            of(Method::past_lives).next(t.by_landing[std::min(i, t.by_landing.size() - 1)], x);
+            for (const Method e : {Method::past_lives, Method::past_lives_read}) of(e).next(t.by_landing[std::min(i, t.by_landing.size() - 1)], x);
             const Model& model = t.population.models.front();
             of(Method::nearest).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::nearest}), x);
             of(Method::mixture).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::mixture}), x);
@@ -260,6 +275,7 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
             const Expectation e = filter.expected(next_J);
             of(Method::filter).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
             of(Method::shipped).next(shipped.next(), x);
+            of(Method::shipped_read).next(shipped_read.next(), x);
             const Expectation c = curves.expected();
             of(Method::life_curves).next({{{1.0, c.mean, c.deviation * c.deviation}}}, x);
             of(Method::oracle).next({{{1.0, life.before[i].expected(), Brake::kFresh * Brake::kFresh}}}, x);
@@ -274,13 +290,20 @@ Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
                           }),
                           truth);
             of(Method::filter).landings(k, left_of(forecast(filter, points[i - 1].c_e_J, plan.settings.mix, ask)), truth);
+            of(Method::past_lives_read).landings(k, read_left(t, plan, lining, static_cast<double>(i), points[i - 1].c_e_J), truth);
             of(Method::shipped).landings(k, left_of(shipped.forecast(plan.settings.mix, ask)), truth);
+            of(Method::shipped_read).landings(k, left_of(shipped_read.forecast(plan.settings.mix, ask)), truth);
             of(Method::life_curves).landings(k, curves_left(curves, plan, seed), truth);
             of(Method::oracle).landings(k, oracle_left(life.before[i], plan, seed), truth);
         }
         linear.learn(x);
         shipped.learn(points[i]);
+        shipped_read.learn(points[i]);
         curves.learn(points[i]);
+        for (; reading != life.campaign.readings.end() && reading->c_e_J <= points[i].c_e_J; ++reading) {
+            shipped_read.read(*reading);
+            lining.read(*reading);
+        }
     }
     return out;
 }
@@ -332,14 +355,18 @@ Result run(const Plan& plan) {
     const std::size_t laws = plan.laws.size();
     std::vector<Trained> trained(laws);
     run_jobs(plan.threads, laws, [&](std::size_t i) { trained[i] = train(plan, plan.laws[i]); });
-    std::vector<Tally> told(laws * plan.judged_lives);
-    run_jobs(plan.threads, told.size(),
-             [&](std::size_t job) { told[job] = judge_told(plan, plan.laws[job / plan.judged_lives], plan.judged_seed + job % plan.judged_lives); });
+    std::vector<std::array<Tally, 2>> told(laws * plan.judged_lives);
+    run_jobs(plan.threads, told.size(), [&](std::size_t job) {
+        for (const bool reads : {false, true})
+            told[job].at(reads ? 1 : 0) = judge_told(plan, plan.laws[job / plan.judged_lives], plan.judged_seed + job % plan.judged_lives, reads);
+    });
     std::vector<Tallies> tallies(laws * laws * plan.judged_lives);
     run_jobs(plan.threads, tallies.size(), [&](std::size_t job) {
         const std::size_t pair = job / plan.judged_lives;
         tallies[job] = judge(plan, trained[pair / laws], plan.laws[pair % laws], plan.judged_seed + job % plan.judged_lives);
-        tallies[job].at(static_cast<std::size_t>(Method::law_told)) = told[pair % laws * plan.judged_lives + job % plan.judged_lives];
+        const auto& [friction_only, read] = told[pair % laws * plan.judged_lives + job % plan.judged_lives];
+        tallies[job].at(static_cast<std::size_t>(Method::law_told)) = friction_only;
+        tallies[job].at(static_cast<std::size_t>(Method::law_told_read)) = read;
     });
     std::vector<const Tallies*> within, across;
     std::vector<std::vector<const Tallies*>> by_law(2 * laws);

@@ -10,19 +10,22 @@
 namespace wear::arena {
 
 enum class Method : std::uint8_t {
-    persistence,   ///< the next friction is the newest
-    past_lives,    ///< the training lives, landing by landing; their length as a lognormal
-    nearest,       ///< the mixture of eq. (14), fitted to one training life, from the nearest component
-    mixture,       ///< likewise, from all components
-    local_linear,  ///< Kalman smoother of level and slope in this life alone
-    filter,        ///< the filter and its forecast, learnt from the training lives
-    shipped,       ///< life_curves, and past lives where the brake behaves otherwise: what `rig-lab wear forecast` says
-    life_curves,   ///< the Gaussian process over the share of life, learnt from the training lives (life_curves.hpp)
-    law_told,      ///< told the law, but not the brake: what can be known of its state from its own friction and energies (law_filter.hpp)
-    oracle,        ///< told the law and the brake's own state; knows neither scatter nor landings to come
+    persistence,      ///< the next friction is the newest
+    past_lives,       ///< the training lives, landing by landing; their length as a lognormal
+    nearest,          ///< the mixture of eq. (14), fitted to one training life, from the nearest component
+    mixture,          ///< likewise, from all components
+    local_linear,     ///< Kalman smoother of level and slope in this life alone
+    filter,           ///< the filter and its forecast, learnt from the training lives
+    shipped,          ///< life_curves, and past lives where the brake behaves otherwise: what `rig-lab wear forecast` says
+    life_curves,      ///< the Gaussian process over the share of life, learnt from the training lives (life_curves.hpp)
+    past_lives_read,  ///< past_lives, weighed by readings of the lining
+    shipped_read,     ///< shipped, with readings of the lining
+    law_told,         ///< told the law, but not the brake: what can be known of its state from its own friction and energies (law_filter.hpp)
+    law_told_read,    ///< law_told, with readings of the lining
+    oracle,           ///< told the law and the brake's own state; knows neither scatter nor landings to come
 };
-constexpr std::array<const char*, 10> kMethodNames{"persistence", "past_lives", "nearest",     "mixture",  "local_linear",
-                                                   "filter",      "shipped",    "life_curves", "law_told", "oracle"};
+constexpr std::array kMethodNames{"persistence", "past_lives",      "nearest",      "mixture",  "local_linear",  "filter", "shipped",
+                                  "life_curves", "past_lives_read", "shipped_read", "law_told", "law_told_read", "oracle"};
 
 constexpr std::size_t kTenths = 9;  ///< forecasts are made at 10 to 90 % of life
 

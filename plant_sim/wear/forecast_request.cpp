@@ -53,12 +53,13 @@ ForecastAnswer answer(const ForecastRequest& request, ResolvedRequest resolved, 
     const LandingMix mix = landings_to_come(request, resolved, campaign);
     LandingsForecast brake(by.population);
     const std::size_t n = campaign.points.size();
-    for (std::size_t i = request.last == 0 || request.last >= n ? 0 : n - request.last; i < n; ++i) brake.learn(campaign.points[i]);
+    brake.learn(campaign, request.last == 0 || request.last >= n ? 0 : n - request.last);
     const Forecast f = request.method == "filter" ? forecast(brake.filter(), campaign.points.back().c_e_J, mix, resolved.settings)
                                                   : brake.forecast(mix, resolved.settings);
     Json json = json_head(resolved, by);
     json["data_hash"] = data_hash(campaign);
     json["maneuvers"] = n;
+    json["lining_readings"] = by.population.curves.lining.lives > 0 ? campaign.readings.size() : 0;
     json["cumulative_energy_J"] = f.c_e_J;
     json["landings_to_come"] = json_of(mix);
     json["horizon"] = resolved.settings.horizon;

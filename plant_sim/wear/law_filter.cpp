@@ -19,7 +19,7 @@ std::size_t particle(const std::vector<double>& weights, double share, std::size
 }  // namespace
 
 LawFilter::LawFilter(Law law, const Settings& settings, std::uint64_t seed)
-    : limit_(settings.limit), generator_(generator_of(seed, 6000)), weights_(kParticles, 1.0 / kParticles) {
+    : limit_(settings.limit), reading_error_(settings.reading_error), generator_(generator_of(seed, 6000)), weights_(kParticles, 1.0 / kParticles) {
     brakes_.reserve(kParticles);
     // Seeds that no judged brake has.
     constexpr std::uint64_t kOthers = 1'000'000'000;
@@ -39,12 +39,29 @@ Expectation LawFilter::expected() const {
 void LawFilter::learn(const Point& point) {
     const double energy_J = point.c_e_J - taken_J_;
     taken_J_ = point.c_e_J;
-    double greatest = -std::numeric_limits<double>::infinity();
+    std::vector<double> log_likelihoods(kParticles);
     for (std::size_t i = 0; i < kParticles; ++i) {
         const double off = (point.mean_friction - brakes_[i].expected()) / Brake::kFresh;
-        weights_[i] = std::log(weights_[i]) - 0.5 * off * off;
-        greatest = std::max(greatest, weights_[i]);
+        log_likelihoods[i] = -0.5 * off * off;
         (void)brakes_[i].land(energy_J, generator_);
+    }
+    weigh(log_likelihoods);
+}
+
+void LawFilter::read(const LiningReading& reading) {
+    std::vector<double> log_likelihoods(kParticles);
+    for (std::size_t i = 0; i < kParticles; ++i) {
+        const double off = (reading.worn - brakes_[i].worn()) / reading_error_;
+        log_likelihoods[i] = -0.5 * off * off;
+    }
+    weigh(log_likelihoods);
+}
+
+void LawFilter::weigh(const std::vector<double>& log_likelihoods) {
+    double greatest = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < kParticles; ++i) {
+        weights_[i] = std::log(weights_[i]) + log_likelihoods[i];
+        greatest = std::max(greatest, weights_[i]);
     }
     double sum = 0.0, squares = 0.0;
     for (double& w : weights_) sum += w = std::max(1e-300, std::exp(w - greatest));

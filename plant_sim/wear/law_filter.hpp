@@ -15,15 +15,18 @@ class LawFilter {
 
     LawFilter(Law law, const Settings& settings, std::uint64_t seed);
     void learn(const Point& point);
+    /// A reading of the lining, after the point before it; its error is that of the settings.
+    void read(const LiningReading& reading);
     /// Friction of the next landing.
     [[nodiscard]] Expectation expected() const;
     /// `count` equally probable brakes that are not worn out.
     [[nodiscard]] std::vector<Brake> drawn(std::size_t count) const;
 
   private:
+    void weigh(const std::vector<double>& log_likelihoods);
     void resample();
 
-    double limit_;
+    double limit_, reading_error_;
     Generator generator_;
     std::vector<Brake> brakes_;
     std::vector<double> weights_;

@@ -31,6 +31,8 @@ Settings load_settings(const std::filesystem::path& file) {
     s.life_landings = lives.number("life_landings", {.min = 50.0, .max = 5000.0});
     s.life_scatter = lives.number("life_scatter", {.min = 0.0, .max = 0.5});
     s.correlation = lives.number("correlation", {.min = -1.0, .max = 1.0});
+    s.reading_every = lives.integer<std::size_t>("reading_every", {.min = 1});
+    s.reading_error = lives.number("reading_error", {.min = 1e-4, .max = 0.2});
     const settings::NumbersRule three{.range = {.min = 0.01, .max = 100.0}, .count = {.min = 3, .max = 3}};
     const std::vector<double> energy_MJ = lives.numbers("energy_MJ", three), share = lives.numbers("share", three);
     constexpr std::array kKinds{"light", "medium", "heavy"};
@@ -110,7 +112,7 @@ double Brake::land(double energy_J, Generator& generator) {
 
 Life live(Law law, const Settings& settings, std::uint64_t seed) {
     Brake brake(law, settings, seed);
-    Generator generator = generator_of(seed, stream(law, 2));
+    Generator generator = generator_of(seed, stream(law, 2)), readings = generator_of(seed, stream(law, 3));
     Life life;
     life.campaign.source = kLawNames.at(static_cast<std::size_t>(law));
     double c_e_J = 0.0;
@@ -121,6 +123,8 @@ Life live(Law law, const Settings& settings, std::uint64_t seed) {
         const double energy_J = landing_energy_J(settings, generator);
         c_e_J += energy_J;
         life.campaign.points.push_back({c_e_J, brake.land(energy_J, generator)});
+        if (life.before.size() % settings.reading_every == 0)
+            life.campaign.readings.push_back({c_e_J, brake.worn() + settings.reading_error * normal(readings)});
     }
     return life;
 }

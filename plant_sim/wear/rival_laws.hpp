@@ -30,7 +30,9 @@ struct Settings {
     double life_landings = 0.0;
     double life_scatter = 0.0;
     double correlation = 0.0;
-    LandingMix mix;  ///< with a scatter of 3 % about each kind's energy
+    std::size_t reading_every = 0;  ///< landings between readings of the lining
+    double reading_error = 0.0;     ///< standard deviation
+    LandingMix mix;                 ///< with a scatter of 3 % about each kind's energy
     [[nodiscard]] double mean_energy_J() const;
 };
 /// Throws settings::Error.
@@ -48,6 +50,7 @@ class Brake {
     [[nodiscard]] double condition() const;
     [[nodiscard]] double life_J() const { return life_J_; }
     [[nodiscard]] double level() const { return level_; }
+    [[nodiscard]] double worn() const { return worn_; }
     /// The same brake with another life and level: it has taken the same energy and is worn accordingly.
     [[nodiscard]] Brake with(double life_J, double level) const;
     /// Standard deviation of what is new in each reading.

@@ -15,7 +15,8 @@ constexpr double kMinAlike = 1e-6;  // so that evidence can still bring it back
 
 }  // namespace
 
-LandingsForecast::LandingsForecast(const Population& population) : population_(&population), filter_(population) {
+LandingsForecast::LandingsForecast(const Population& population)
+    : population_(&population), filter_(population), lining_(population.curves, kOtherLining) {
     if (population.curves.lives > 0) life_.emplace(population.curves);
 }
 
@@ -43,6 +44,21 @@ void LandingsForecast::learn(const Point& point) {
     life_->learn(point);
 }
 
+void LandingsForecast::read(const LiningReading& reading) {
+    if (!life_ || population_->curves.lining.lives == 0) return;
+    life_->read(reading);
+    lining_.read(reading);
+}
+
+void LandingsForecast::learn(const Campaign& campaign, std::size_t from) {
+    auto reading = campaign.readings.begin();
+    for (std::size_t i = from; i < campaign.points.size(); ++i) {
+        learn(campaign.points[i]);
+        for (; reading != campaign.readings.end() && reading->c_e_J <= campaign.points[i].c_e_J; ++reading) read(*reading);
+    }
+    for (; reading != campaign.readings.end(); ++reading) read(*reading);
+}
+
 Conditional LandingsForecast::next() const {
     if (!life_) {
         const Expectation e = filter_.expected(c_e_J_);
@@ -60,7 +76,7 @@ Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSetting
     std::vector<double> ends_J = life_->ends_J(settings.limit, count, settings.seed);
     if (const PastLives past(*population_, settings.limit); past.known()) {
         out.population_probability = alike_;
-        const std::vector<double> lives_J = past_lives_J(past, c_e_J_, out.crossed_now, count);
+        const std::vector<double> lives_J = past_lives_J(past, lining_, c_e_J_, out.crossed_now, count);
         // What no brake is likely to have lasted, this one does not last either: a filter that goes astray goes far.
         for (double& end_J : ends_J) end_J = std::min(end_J, lives_J.back());
         ends_J = pooled(ends_J, lives_J, alike_);
@@ -84,11 +100,20 @@ Forecast LandingsForecast::forecast(const LandingMix& mix, const ForecastSetting
     return out;
 }
 
-std::vector<double> past_lives_J(const PastLives& past, double c_e_J, double worn, std::size_t count) {
+std::vector<double> past_lives_J(const PastLives& past, const LiningLikelihood& lining, double c_e_J, double crossed, std::size_t count) {
+    const auto share = [](std::size_t i, std::size_t of) { return (static_cast<double>(i) + 0.5) / static_cast<double>(of); };
+    std::vector<double> read;
+    if (lining.any()) {
+        constexpr std::size_t kFiner = 20;
+        std::vector<double> lives_J(kFiner * count);
+        for (std::size_t i = 0; i < lives_J.size(); ++i) lives_J[i] = past.life_J(c_e_J, share(i, lives_J.size()));
+        read = lining.given(lives_J, count);
+    }
     std::vector<double> out(count, c_e_J);
     for (std::size_t i = 0; i < count; ++i) {
-        const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-        if (share > worn) out[i] = past.life_J(c_e_J, (share - worn) / (1.0 - worn));
+        const double left = (share(i, count) - crossed) / (1.0 - crossed);
+        if (share(i, count) > crossed)
+            out[i] = read.empty() ? past.life_J(c_e_J, left) : read[static_cast<std::size_t>(left * static_cast<double>(count))];
     }
     return out;
 }

@@ -14,6 +14,7 @@
 #include "rig_bridge/wear/conditional.hpp"
 #include "rig_bridge/wear/forecast.hpp"
 #include "rig_bridge/wear/life_filter.hpp"
+#include "rig_bridge/wear/lining_likelihood.hpp"
 #include "rig_bridge/wear/past_lives.hpp"
 
 namespace wear {
@@ -26,6 +27,10 @@ class LandingsForecast {
 
     /// Adds a point; call in the order of the maneuvers.
     void learn(const Point& point);
+    /// Adds a reading of the lining, after the maneuvers before it. Without effect where the population was learnt without readings.
+    void read(const LiningReading& reading);
+    /// All points and readings of a campaign from point `from` on.
+    void learn(const Campaign& campaign, std::size_t from = 0);
     /// Call after at least one point.
     [[nodiscard]] Forecast forecast(const LandingMix& mix, const ForecastSettings& settings) const;
     /// Friction of the next maneuver. Likewise.
@@ -37,18 +42,22 @@ class LandingsForecast {
 
   private:
     static constexpr double kAlike = 0.8;  // before any maneuver [A]
+    /// Relative deviation, beyond the population's, of how far the lining of a brake that behaves otherwise is worn when friction ends its life [A].
+    static constexpr double kOtherLining = 0.2;
 
     const Population* population_;
     BrakeFilter filter_;
     std::optional<LifeFilter> life_;
+    LiningLikelihood lining_;                    // of a brake that behaves otherwise
     double level_ = 0.0, level_variance_ = 0.0;  // of friction as a level that walks, before the next maneuver
     bool begun_ = false;
     double alike_ = kAlike;
     double c_e_J_ = 0.0;
 };
 
-/// `count` equally probable lives, rising, of a brake that is worn out at `c_e_J` with the probability `worn`.
-[[nodiscard]] std::vector<double> past_lives_J(const PastLives& past, double c_e_J, double worn, std::size_t count);
+/// `count` equally probable lives, rising, of a brake that is worn out at `c_e_J` with the probability `crossed`, given readings of its lining.
+[[nodiscard]] std::vector<double> past_lives_J(const PastLives& past, const LiningLikelihood& lining, double c_e_J, double crossed,
+                                               std::size_t count);
 /// As many values as in each of two distributions, both rising, of their mixture: `first` with the weight `share`.
 [[nodiscard]] std::vector<double> pooled(const std::vector<double>& first, const std::vector<double>& second, double share);
 

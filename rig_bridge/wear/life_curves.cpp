@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "rig_bridge/wear/life_kalman.hpp"
@@ -19,6 +20,10 @@ using life::of;
 using life::Values;
 using life::ValuesCovariance;
 
+/// Of a brake: its curve at the knots and, last, the slope of its lining's wear.
+using Traits = Eigen::Matrix<double, life::kKnots + 1, 1>;
+using TraitsCovariance = Eigen::Matrix<double, life::kKnots + 1, life::kKnots + 1>;
+
 constexpr int kIterations = 20;
 constexpr std::array kEvidence{1.0, 0.7, 0.5, 0.35, 0.25, 0.15};
 
@@ -32,6 +37,9 @@ struct WornOut {
     std::vector<KnotPlace> places;
     std::vector<std::array<double, kEnergiesBefore>> energies;  // as LifeFilter has them before each maneuver
     std::vector<double> friction;
+    std::vector<LiningReading> readings;
+
+    [[nodiscard]] double share(const LiningReading& reading) const { return reading.c_e_J / life_J; }
 };
 
 WornOut worn_out(const Campaign& campaign, double life_J, double landing_J) {
@@ -47,21 +55,68 @@ WornOut worn_out(const Campaign& campaign, double life_J, double landing_J) {
         life::come(before, (campaign.points[i].c_e_J - taken_J) / landing_J - 1.0);
         taken_J = campaign.points[i].c_e_J;
     }
+    for (const LiningReading& r : campaign.readings)
+        if (r.c_e_J <= kAfterEnd * life_J) out.readings.push_back(r);
     return out;
 }
 
-/// Curve of one worn-out brake given all of its maneuvers.
+/// Traits of one worn-out brake given all of its maneuvers and readings; `z`: log L in deviations.
 struct Smoothed {
-    Values mean;
-    ValuesCovariance covariance;
+    Traits mean;
+    TraitsCovariance covariance;
 };
-Smoothed smoothed(const WornOut& brake, const LifeCurves& c, const Values& prior) {
+Smoothed smoothed(const WornOut& brake, const LifeCurves& c, double z) {
     life::State state = life::State::Zero();
-    state.head<life::kKnots>() = prior;
+    state.head<life::kKnots>() = Eigen::Map<const Values>(c.mean.data()) + z * Eigen::Map<const Values>(c.by_life.data());
+    state(life::kSlope) = c.lining.slope + z * c.lining.by_life;
     life::Covariance covariance = life::prior(c);
     for (std::size_t i = 0; i < brake.friction.size(); ++i)
         (void)life::update(state, covariance, brake.places[i], brake.friction[i] - of(c.energy, brake.energies[i]), c);
-    return {state.head<life::kKnots>(), covariance.topLeftCorner<life::kKnots, life::kKnots>()};
+    for (const LiningReading& r : brake.readings) (void)life::read(state, covariance, brake.share(r), r.worn, c);
+    Smoothed out;
+    out.mean << state.head<life::kKnots>(), state(life::kSlope);
+    out.covariance << covariance.topLeftCorner<life::kKnots, life::kKnots>(), covariance.col(life::kSlope).head<life::kKnots>(),
+        covariance.row(life::kSlope).head<life::kKnots>(), covariance(life::kSlope, life::kSlope);
+    return out;
+}
+
+/// The lining's wear by each brake's own line, where EM begins. Without readings `lives` is 0 and the rest any that EM leaves alone.
+LiningWear first_lining(const std::vector<WornOut>& brakes) {
+    LiningWear out{.slope = 1.0, .variance = 1.0, .error = 1.0};
+    std::vector<double> slopes;
+    double squares = 0.0, count = 0.0;
+    for (const WornOut& b : brakes) {
+        double xx = 0.0, xy = 0.0;
+        for (const LiningReading& r : b.readings) {
+            xx += square(b.share(r));
+            xy += b.share(r) * r.worn;
+        }
+        if (b.readings.empty()) continue;
+        slopes.push_back(xy / xx);
+        for (const LiningReading& r : b.readings) squares += square(r.worn - slopes.back() * b.share(r));
+        count += static_cast<double>(b.readings.size());
+    }
+    if (slopes.empty()) return out;
+    constexpr double kMinDeviation = 1e-3;
+    out.lives = slopes.size();
+    out.slope = std::accumulate(slopes.begin(), slopes.end(), 0.0) / static_cast<double>(slopes.size());
+    out.variance = square(kMinDeviation);
+    for (const double s : slopes) out.variance += square(s - out.slope) / static_cast<double>(slopes.size());
+    out.error = kMinDeviation + std::sqrt(squares / count);
+    return out;
+}
+
+/// Scatter of the readings about the brakes' lines.
+double reading_error(const std::vector<WornOut>& brakes, const std::vector<Smoothed>& traits) {
+    double squares = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < brakes.size(); ++k)
+        for (const LiningReading& r : brakes[k].readings) {
+            const double share = brakes[k].share(r);
+            squares += square(r.worn - traits[k].mean(life::kKnots) * share) + square(share) * traits[k].covariance(life::kKnots, life::kKnots);
+            count += 1.0;
+        }
+    constexpr double kMinDeviation = 1e-3;
+    return std::max(kMinDeviation, std::sqrt(squares / count));
 }
 
 /// Expectation maximisation of what learn_life_curves() says, `evidence` apart.
@@ -106,19 +161,23 @@ LifeCurves fitted(const std::vector<WornOut>& brakes, double landing_J) {
     c.memory = 0.3;
     c.remembered = 0.5 * std::sqrt(off2);
     c.fresh = std::sqrt(off2);
+    c.lining = first_lining(brakes);
     for (int iteration = 0; iteration < kIterations; ++iteration) {
         std::vector<Smoothed> curves;
-        ValuesCovariance uncertain = ValuesCovariance::Zero();
-        Values level = Values::Zero(), slope = Values::Zero();
+        TraitsCovariance uncertain = TraitsCovariance::Zero();
+        Traits level = Traits::Zero(), slope = Traits::Zero();
         for (std::size_t k = 0; k < brakes.size(); ++k) {
-            curves.push_back(smoothed(brakes[k], c, mean + z[k] * by_life));
+            curves.push_back(smoothed(brakes[k], c, z[k]));
             uncertain += curves.back().covariance;
             level += curves.back().mean / n;
             constexpr double kRidge = 2.0;  // of the slope: as if two more lives had shown none
             slope += z[k] * curves.back().mean / (squares + kRidge);
         }
-        mean = level;
-        by_life = slope;
+        mean = level.head<life::kKnots>();
+        by_life = slope.head<life::kKnots>();
+        c.lining.slope = level(life::kKnots);
+        c.lining.by_life = slope(life::kKnots);
+        if (c.lining.lives > 0) c.lining.error = reading_error(brakes, curves);
         // How frictions depend on energies before, and the scatter that is left.
         using Energies = Eigen::Matrix<double, static_cast<int>(kEnergiesBefore), 1>;
         Eigen::Matrix<double, static_cast<int>(kEnergiesBefore), static_cast<int>(kEnergiesBefore)> products;
@@ -132,14 +191,17 @@ LifeCurves fitted(const std::vector<WornOut>& brakes, double landing_J) {
                 moments += e * (brakes[k].friction[i] - at(curves[k].mean, brakes[k].places[i]));
             }
         Eigen::Map<Energies>(c.energy.data()) = products.ldlt().solve(moments);
-        ValuesCovariance spread = uncertain;
+        TraitsCovariance spread = uncertain;
         for (std::size_t k = 0; k < brakes.size(); ++k) {
-            const Values off = curves[k].mean - mean - z[k] * by_life;
+            const Traits off = curves[k].mean - level - z[k] * slope;
             spread += off * off.transpose();
         }
         constexpr double kDiagonal = 3.0;  // as if so many more lives had shown no correlation between the knots
-        spread += kDiagonal / n * ValuesCovariance(spread.diagonal().asDiagonal());
-        covariance = spread / (n + kDiagonal) + ValuesCovariance::Identity() * 1e-9;
+        spread += kDiagonal / n * TraitsCovariance(spread.diagonal().asDiagonal());
+        spread = spread / (n + kDiagonal) + TraitsCovariance::Identity() * 1e-9;
+        covariance = spread.topLeftCorner<life::kKnots, life::kKnots>();
+        Eigen::Map<Values>(c.lining.with_curve.data()) = spread.col(life::kKnots).head<life::kKnots>();
+        c.lining.variance = spread(life::kKnots, life::kKnots);
         constexpr std::size_t kLags = 4;
         std::array<double, kLags> gamma{};
         for (std::size_t k = 0; k < brakes.size(); ++k) {
@@ -148,9 +210,9 @@ LifeCurves fitted(const std::vector<WornOut>& brakes, double landing_J) {
             for (std::size_t i = 0; i < b.friction.size(); ++i)
                 residual.push_back(b.friction[i] - at(curves[k].mean, b.places[i]) - of(c.energy, b.energies[i]));
             for (std::size_t i = 0; i < residual.size(); ++i) {
-                const ValuesCovariance& v = curves[k].covariance;
+                const TraitsCovariance& v = curves[k].covariance;
                 const auto knot = static_cast<Eigen::Index>(b.places[i].knot);
-                const Values row = v.col(knot) * (1.0 - b.places[i].next) + v.col(knot + 1) * b.places[i].next;
+                const Traits row = v.col(knot) * (1.0 - b.places[i].next) + v.col(knot + 1) * b.places[i].next;
                 for (std::size_t lag = 0; lag < kLags && lag <= i; ++lag)
                     gamma.at(lag) += (residual[i] * residual[i - lag] + at(row, b.places[i - lag])) / count;
             }
@@ -162,13 +224,14 @@ LifeCurves fitted(const std::vector<WornOut>& brakes, double landing_J) {
         c.remembered = std::sqrt(remembered);
         c.fresh = std::sqrt(gamma[0] - remembered);
     }
+    if (c.lining.lives == 0) c.lining = {};
     return c;
 }
 
-/// Log of the probability density of log L, by straight lines between the grid's lives, at the true one.
-double log_score(const LifeFilter& filter, double evidence, double truth) {
+/// Log of the probability density of log L, by straight lines between the grid's lives, at the true one, with these exponents.
+double log_score(const LifeFilter& filter, double evidence, double of_readings, double truth) {
     const std::vector<LifeFilter::Hypothesis>& h = filter.hypotheses();
-    const auto log_weight = [&](std::size_t i) { return h[i].log_prior + evidence * h[i].log_likelihood; };
+    const auto log_weight = [&](std::size_t i) { return h[i].log_prior + evidence * h[i].log_likelihood + of_readings * h[i].log_readings; };
     double greatest = -std::numeric_limits<double>::infinity(), sum = 0.0;
     for (std::size_t i = 0; i < h.size(); ++i) greatest = std::max(greatest, log_weight(i));
     for (std::size_t i = 0; i < h.size(); ++i) sum += std::exp(log_weight(i) - greatest);
@@ -241,7 +304,9 @@ LifeCurves learn_life_curves(const std::vector<Campaign>& campaigns, double limi
     LifeCurves out = fitted(brakes, landing_J);
     out.limit = limit;
     learn_walk(brakes, out);
-    std::vector<std::array<double, kEvidence.size()>> scores(brakes.size());
+    // Of the exponent of the friction, and of the readings' where there are some.
+    const std::size_t of_readings = out.lining.lives > 0 ? kEvidence.size() : 1;
+    std::vector<std::array<std::array<double, kEvidence.size()>, kEvidence.size()>> scores(brakes.size());
     if (brakes.size() == 3) return out;
     run_jobs(threads, brakes.size(), [&](std::size_t k) {
         std::vector<WornOut> others = brakes;
@@ -249,21 +314,27 @@ LifeCurves learn_life_curves(const std::vector<Campaign>& campaigns, double limi
         const LifeCurves by = fitted(others, landing_J);
         LifeFilter filter(by);
         int tenth = 1;
+        auto reading = campaigns[k].readings.begin();
         for (const Point& p : campaigns[k].points) {
             filter.learn(p);
+            for (; reading != campaigns[k].readings.end() && reading->c_e_J <= p.c_e_J; ++reading) filter.read(*reading);
             if (p.c_e_J < 0.1 * tenth * brakes[k].life_J) continue;
-            for (std::size_t e = 0; e < kEvidence.size(); ++e) scores[k].at(e) += log_score(filter, kEvidence.at(e), std::log(brakes[k].life_J));
+            for (std::size_t r = 0; r < of_readings; ++r)
+                for (std::size_t e = 0; e < kEvidence.size(); ++e)
+                    scores[k].at(r).at(e) += log_score(filter, kEvidence.at(e), kEvidence.at(r), std::log(brakes[k].life_J));
             if (++tenth > 9) break;
         }
     });
     double most = -std::numeric_limits<double>::infinity();
-    for (std::size_t e = 0; e < kEvidence.size(); ++e) {
-        double sum = 0.0;
-        for (const auto& brake : scores) sum += brake.at(e);
-        if (sum <= most) continue;
-        most = sum;
-        out.evidence = kEvidence.at(e);
-    }
+    for (std::size_t r = 0; r < of_readings; ++r)
+        for (std::size_t e = 0; e < kEvidence.size(); ++e) {
+            double sum = 0.0;
+            for (const auto& brake : scores) sum += brake.at(r).at(e);
+            if (sum <= most) continue;
+            most = sum;
+            out.evidence = kEvidence.at(e);
+            if (out.lining.lives > 0) out.lining.evidence = kEvidence.at(r);
+        }
     return out;
 }
 

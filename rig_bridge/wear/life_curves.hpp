@@ -22,6 +22,19 @@ inline constexpr std::array kLifeKnots{0.0, 0.02, 0.05, 0.1, 0.17, 0.3, 0.45, 0.
 inline constexpr std::size_t kCurve = kLifeKnots.size();
 inline constexpr std::size_t kEnergiesBefore = 6;
 
+/// Wear of the lining as it is read: slope u + error at the share u of life, since wear is linear in energy (Archard). Lives end by friction: `slope`
+/// is how far the lining is worn by then. It is normal, and correlated with the curve of the same brake.
+struct LiningWear {
+    std::size_t lives = 0;                    ///< with readings, learnt from; 0: nothing is known
+    double slope = 0.0;                       ///< mean
+    double by_life = 0.0;                     ///< change of the mean for each standard deviation of log L
+    std::array<double, kCurve> with_curve{};  ///< covariance with the curve at the knots
+    double variance = 0.0;
+    double error = 0.0;     ///< standard deviation of a reading
+    double evidence = 1.0;  ///< exponent of the readings' likelihood, in (0, 1], as that of friction below: wear is not quite a line
+    bool operator==(const LiningWear&) const = default;
+};
+
 struct LifeCurves {
     using Values = std::array<double, kCurve>;  ///< at the knots
 
@@ -42,6 +55,7 @@ struct LifeCurves {
     double evidence = 1.0;
     /// Of friction taken as a level that walks, seen through white noise, whatever the life: standard deviations of a step and of the noise.
     double walk = 0.0, noise = 0.0;
+    LiningWear lining{};
     bool operator==(const LifeCurves&) const = default;
 };
 
@@ -49,8 +63,8 @@ struct LifeCurves {
 /// friction is above it; the campaign's last where nothing but scatter is below, or without a limit.
 [[nodiscard]] double end_of_life_J(const Campaign& campaign, double limit);
 
-/// By expectation maximisation. `evidence` is that with which lives left out of the learning are foretold best, by the logarithmic score of log L at
-/// each tenth of life. `limit` 0: none. At least 3 campaigns that begin with a new brake, else std::invalid_argument.
+/// By expectation maximisation. `evidence`, of friction and of readings, is that with which lives left out of the learning are foretold best, by the
+/// logarithmic score of log L at each tenth of life. `limit` 0: none. At least 3 campaigns that begin with a new brake, else std::invalid_argument.
 [[nodiscard]] LifeCurves learn_life_curves(const std::vector<Campaign>& campaigns, double limit, unsigned threads = 1);
 
 /// The knot before a share of life, and the weight of the next one.

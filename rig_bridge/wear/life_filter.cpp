@@ -53,8 +53,9 @@ LifeFilter LifeFilter::of_life(const LifeCurves& curves, double life_J) {
 }
 
 void LifeFilter::add(double life_J, double deviations, double log_prior) {
-    Hypothesis h{life_J, log_prior, 0.0, {}, {}};
+    Hypothesis h{life_J, log_prior, 0.0, 0.0, {}, {}};
     for (std::size_t k = 0; k < kCurve; ++k) h.state.at(k) = curves_->mean.at(k) + deviations * curves_->by_life.at(k);
+    h.state.at(life::kSlope) = curves_->lining.slope + deviations * curves_->lining.by_life;
     Eigen::Map<life::Covariance>(h.covariance.data()) = life::prior(*curves_);
     hypotheses_.push_back(h);
 }
@@ -86,9 +87,21 @@ void LifeFilter::learn(const Point& point) {
     begun_ = true;
 }
 
+void LifeFilter::read(const LiningReading& reading) {
+    if (curves_->lining.lives == 0) return;
+    for (Hypothesis& h : hypotheses_) {
+        Eigen::Map<life::State> state(h.state.data());
+        Eigen::Map<life::Covariance> covariance(h.covariance.data());
+        const life::Innovation i = life::read(state, covariance, reading.c_e_J / h.life_J, reading.worn, *curves_);
+        h.log_readings -= 0.5 * (i.off * i.off / i.variance + std::log(i.variance));
+    }
+}
+
 std::vector<LifeFilter::Life> LifeFilter::lives() const {
     double greatest = -std::numeric_limits<double>::infinity();
-    const auto log_weight = [&](const Hypothesis& h) { return h.log_prior + curves_->evidence * h.log_likelihood; };
+    const auto log_weight = [&](const Hypothesis& h) {
+        return h.log_prior + curves_->evidence * h.log_likelihood + curves_->lining.evidence * h.log_readings;
+    };
     for (const Hypothesis& h : hypotheses_) greatest = std::max(greatest, log_weight(h));
     std::vector<Life> out;
     out.reserve(hypotheses_.size());

@@ -16,7 +16,7 @@ namespace wear {
 
 class LifeFilter {
   public:
-    static constexpr std::size_t kStates = kCurve + 1;  ///< values at the knots and, last, the remembered part
+    static constexpr std::size_t kStates = kCurve + 2;  ///< values at the knots, the remembered part, the slope of the lining's wear
     using State = std::array<double, kStates>;
 
     /// Any life: Student's t of log L, as one more of the lives learnt from, at `grid` of them, at least 2.
@@ -28,6 +28,8 @@ class LifeFilter {
 
     /// Adds a point; call in the order of the maneuvers.
     void learn(const Point& point);
+    /// Adds a reading of the lining. Without effect where the curves were learnt without readings.
+    void read(const LiningReading& reading);
 
     struct Life {
         double life_J = 0.0;
@@ -49,7 +51,8 @@ class LifeFilter {
     struct Hypothesis {
         double life_J = 0.0;
         double log_prior = 0.0;
-        double log_likelihood = 0.0;
+        double log_likelihood = 0.0;  ///< of the frictions
+        double log_readings = 0.0;    ///< likelihood of the readings of the lining
         State state{};
         std::array<double, kStates * kStates> covariance{};
     };

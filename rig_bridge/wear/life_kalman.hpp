@@ -12,6 +12,7 @@ inline constexpr auto kSize = static_cast<Eigen::Index>(LifeFilter::kStates);
 inline constexpr auto kKnots = static_cast<Eigen::Index>(kCurve);
 using State = Eigen::Matrix<double, kSize, 1>;
 using Covariance = Eigen::Matrix<double, kSize, kSize>;
+inline constexpr Eigen::Index kRemembered = kKnots, kSlope = kKnots + 1;
 using Values = Eigen::Matrix<double, kKnots, 1>;
 using ValuesCovariance = Eigen::Matrix<double, kKnots, kKnots>;
 
@@ -25,12 +26,12 @@ double at(const Curve& curve, const KnotPlace& place) {
 /// What is seen of a state there: its value, and the covariances of the state with it.
 template <typename Any>
 double seen(const Any& x, const KnotPlace& place) {
-    return at(x, place) + x(kKnots);
+    return at(x, place) + x(kRemembered);
 }
 template <typename Any>
 State seen_of(const Any& covariance, const KnotPlace& place) {
     const auto k = static_cast<Eigen::Index>(place.knot);
-    return covariance.col(k) * (1.0 - place.next) + covariance.col(k + 1) * place.next + covariance.col(kKnots);
+    return covariance.col(k) * (1.0 - place.next) + covariance.col(k + 1) * place.next + covariance.col(kRemembered);
 }
 
 inline double of(const std::array<double, kEnergiesBefore>& by, const std::array<double, kEnergiesBefore>& energies) {
@@ -45,7 +46,10 @@ inline void come(std::array<double, kEnergiesBefore>& energies, double relative)
 inline Covariance prior(const LifeCurves& c) {
     Covariance out = Covariance::Zero();
     out.topLeftCorner<kKnots, kKnots>() = Eigen::Map<const ValuesCovariance>(c.covariance.front().data());
-    out(kKnots, kKnots) = c.remembered * c.remembered;
+    out(kRemembered, kRemembered) = c.remembered * c.remembered;
+    out.row(kSlope).head<kKnots>() = Eigen::Map<const Values>(c.lining.with_curve.data());
+    out.col(kSlope).head<kKnots>() = Eigen::Map<const Values>(c.lining.with_curve.data());
+    out(kSlope, kSlope) = c.lining.variance;
     return out;
 }
 
@@ -60,10 +64,21 @@ Innovation update(X&& state, P&& covariance, const KnotPlace& place, double fric
     const double off = friction - seen(state, place);
     state += gain * (off / variance);
     covariance -= gain * (gain / variance).transpose();
-    state(kKnots) *= c.memory;
-    covariance.row(kKnots) *= c.memory;
-    covariance.col(kKnots) *= c.memory;
-    covariance(kKnots, kKnots) += (1.0 - c.memory * c.memory) * c.remembered * c.remembered;
+    state(kRemembered) *= c.memory;
+    covariance.row(kRemembered) *= c.memory;
+    covariance.col(kRemembered) *= c.memory;
+    covariance(kRemembered, kRemembered) += (1.0 - c.memory * c.memory) * c.remembered * c.remembered;
+    return {off, variance};
+}
+
+/// A reading of the lining at the share `share` of life.
+template <typename X, typename P>
+Innovation read(X&& state, P&& covariance, double share, double worn, const LifeCurves& c) {
+    const State gain = covariance.col(kSlope) * share;
+    const double variance = gain(kSlope) * share + c.lining.error * c.lining.error;
+    const double off = worn - state(kSlope) * share;
+    state += gain * (off / variance);
+    covariance -= gain * (gain / variance).transpose();
     return {off, variance};
 }
 

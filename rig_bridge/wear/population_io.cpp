@@ -58,6 +58,24 @@ std::array<double, Count> numbers_of(const Json& list, const std::string& file, 
     return out;
 }
 
+LiningWear lining_of(Reader r, const std::string& file) {
+    LiningWear l;
+    l.lives = r.count("lives", 1);
+    l.slope = r.positive("slope");
+    l.by_life = r.number("by_life");
+    l.with_curve = numbers_of<kCurve>(r.get("with_curve"), file, "life_curves.lining.with_curve");
+    l.variance = r.positive("variance");
+    l.error = r.positive("error");
+    l.evidence = share(r, file, "evidence");
+    r.finish();
+    return l;
+}
+
+Json json_of(const LiningWear& l) {
+    return {{"lives", l.lives},       {"slope", l.slope}, {"by_life", l.by_life},  {"with_curve", l.with_curve},
+            {"variance", l.variance}, {"error", l.error}, {"evidence", l.evidence}};
+}
+
 LifeCurves curves_of(Reader r, const std::string& file) {
     LifeCurves c;
     c.lives = r.count("lives", 3);
@@ -77,26 +95,29 @@ LifeCurves curves_of(Reader r, const std::string& file) {
     c.evidence = share(r, file, "evidence");
     c.walk = not_negative(r, file, "walk");
     c.noise = r.positive("noise");
+    if (r.has("lining")) c.lining = lining_of(r.object("lining"), file);
     r.finish();
     return c;
 }
 
 Json json_of(const LifeCurves& c) {
-    return {{"lives", c.lives},
-            {"limit", c.limit},
-            {"landing_J", c.landing_J},
-            {"log_life", c.log_life},
-            {"log_life_deviation", c.log_life_deviation},
-            {"mean", c.mean},
-            {"by_life", c.by_life},
-            {"covariance", c.covariance},
-            {"energy", c.energy},
-            {"memory", c.memory},
-            {"remembered", c.remembered},
-            {"fresh", c.fresh},
-            {"evidence", c.evidence},
-            {"walk", c.walk},
-            {"noise", c.noise}};
+    Json json{{"lives", c.lives},
+              {"limit", c.limit},
+              {"landing_J", c.landing_J},
+              {"log_life", c.log_life},
+              {"log_life_deviation", c.log_life_deviation},
+              {"mean", c.mean},
+              {"by_life", c.by_life},
+              {"covariance", c.covariance},
+              {"energy", c.energy},
+              {"memory", c.memory},
+              {"remembered", c.remembered},
+              {"fresh", c.fresh},
+              {"evidence", c.evidence},
+              {"walk", c.walk},
+              {"noise", c.noise}};
+    if (c.lining.lives > 0) json["lining"] = json_of(c.lining);
+    return json;
 }
 
 }  // namespace

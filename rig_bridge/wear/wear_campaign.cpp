@@ -30,6 +30,7 @@ constexpr double kGreatestPlausible = 1.5;
 constexpr std::string_view kEnergyMJ = "cumulative_energy_MJ";
 constexpr std::string_view kEnergyJ = "cumulative_energy_J";
 constexpr std::string_view kFriction = "mean_friction";
+constexpr std::string_view kLining = "lining_worn";
 
 struct BrakingColumn {
     std::string_view name;
@@ -46,6 +47,7 @@ struct Columns {
     std::string_view energy_name = kEnergyJ;
     std::optional<std::array<std::size_t, kBraking.size()>> braking;
     std::array<std::optional<std::size_t>, 2> parts;  ///< in the order of kPartColumns
+    std::optional<std::size_t> lining;
 };
 
 struct PartColumn {
@@ -89,6 +91,7 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
     if (!friction) throw Error(file, line, "", missing(header, kFriction, kFriction));
     c.friction = *friction;
     for (std::size_t i = 0; i < kPartColumns.size(); ++i) c.parts[i] = find(header, kPartColumns[i].name, file, line);
+    c.lining = find(header, kLining, file, line);
     std::array<std::size_t, kBraking.size()> braking{};
     for (std::size_t i = 0; i < kBraking.size(); ++i) {
         const auto at = find(header, kBraking[i].name, file, line);
@@ -121,6 +124,13 @@ void take_parts(Campaign& campaign, unsigned line, const Columns& columns, const
                                     settings::printable(was)));
         was = std::move(is);
     }
+}
+
+void check_reading(const std::string& file, unsigned line, const LiningReading& reading) {
+    if (!(reading.worn >= LiningReading::kMin && reading.worn <= LiningReading::kMax))
+        throw Error(file, line, std::string(kLining),
+                    fmt::format("{} is no worn share of a lining: 0 new, 1 at its limit ({} to {} with the reading's error); is it in percent?",
+                                reading.worn, LiningReading::kMin, LiningReading::kMax));
 }
 
 void check_point(const std::string& file, unsigned line, const Point& point, const Point* before) {
@@ -202,6 +212,10 @@ Campaign parse_campaign(const std::string& name, std::string_view csv) {
                           csv_number(name, line_number, kFriction, fields[columns->friction])};
         check_point(name, line_number, point, campaign.points.empty() ? nullptr : &campaign.points.back());
         campaign.points.push_back(point);
+        if (columns->lining && !fields[*columns->lining].empty()) {
+            campaign.readings.push_back({point.c_e_J, csv_number(name, line_number, kLining, fields[*columns->lining])});
+            check_reading(name, line_number, campaign.readings.back());
+        }
         if (columns->braking) campaign.brakings.push_back(braking_of(name, line_number, *columns, fields));
     }
     if (!columns) throw Error(name, 0, "", "empty: no header and no maneuver");
@@ -235,7 +249,9 @@ std::string to_csv(const Campaign& campaign) {
     }
     for (const PartColumn& part : kPartColumns)
         if (!(campaign.*part.value).empty()) csv.append(",").append(part.name);
+    if (!campaign.readings.empty()) csv.append(",").append(kLining);
     csv += "\n";
+    auto reading = campaign.readings.begin();
     for (std::size_t i = 0; i < campaign.points.size(); ++i) {
         const Point& p = campaign.points[i];
         const double energy_J = brake_energy_J(campaign, i);
@@ -246,6 +262,10 @@ std::string to_csv(const Campaign& campaign) {
         }
         for (const PartColumn& part : kPartColumns)
             if (!(campaign.*part.value).empty()) csv.append(",").append(settings::csv_field(campaign.*part.value));
+        if (!campaign.readings.empty()) csv += ",";
+        for (; reading != campaign.readings.end() && reading->c_e_J <= p.c_e_J; ++reading)
+            if (reading + 1 == campaign.readings.end() || (reading + 1)->c_e_J > p.c_e_J)
+                fmt::format_to(std::back_inserter(csv), "{}", reading->worn);
         csv += "\n";
     }
     return csv;

@@ -18,6 +18,14 @@ struct Point {
     bool operator==(const Point&) const = default;
 };
 
+/// How far the lining is worn, read after a maneuver by wear pin or gauge.
+struct LiningReading {
+    double c_e_J = 0.0;  ///< of the brake when it was read
+    double worn = 0.0;   ///< share of what may wear: 0 new, 1 at its limit; the reading's error may bring it outside
+    bool operator==(const LiningReading&) const = default;
+    static constexpr double kMin = -0.1, kMax = 1.2;  ///< plausible
+};
+
 /// Further data of a maneuver, to reproduce it.
 struct Braking {
     double brake_on_mps = 0.0;    ///< rim speed at brake-on
@@ -27,17 +35,19 @@ struct Braking {
 };
 
 struct Campaign {
-    std::string source;                   ///< where it was read, for people
-    std::vector<Point> points;            ///< in the order of the maneuvers
-    std::vector<Braking> brakings{};      ///< one per point if recorded, else empty
-    std::string brake{}, disc{};          ///< serial numbers; empty: not known
-    std::string origin = kUnknownOrigin;  ///< provenance.hpp
+    std::string source;                     ///< where it was read, for people
+    std::vector<Point> points;              ///< in the order of the maneuvers
+    std::vector<Braking> brakings{};        ///< one per point if recorded, else empty
+    std::string brake{}, disc{};            ///< serial numbers; empty: not known
+    std::string origin = kUnknownOrigin;    ///< provenance.hpp
+    std::vector<LiningReading> readings{};  ///< in the order of their energy; none: nobody read it
     bool operator==(const Campaign&) const = default;
 };
 
 /// CSV with a header. Columns, in any order, others are passed over: `cumulative_energy_MJ` or `cumulative_energy_J` (one of them), and
 /// `mean_friction`. Where there are `brake_on_mps`, `mean_torque_Nm` and `mean_load_N`, all three and positive, too. Where there are `brake_serial`
-/// and `disc_serial`, each the same in all rows: wear of two discs is no campaign. Empty lines and lines that begin with # are passed over, but for
+/// and `disc_serial`, each the same in all rows: wear of two discs is no campaign. `lining_worn` is a LiningReading after the maneuver, within
+/// -0.1 to 1.2, and empty where there is none. Empty lines and lines that begin with # are passed over, but for
 /// `# origin: measured on rig 7` or `# origin: made up by ...`, which says where the campaign is from. At least two maneuvers; energy positive and
 /// strictly increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5, and not the same everywhere.
 /// Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
@@ -50,7 +60,7 @@ struct Campaign {
 void check(const Campaign& campaign, unsigned first_line = 1);
 
 /// CSV that read_campaign() reads back to the last bit: the origin where it is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J,
-/// the brakings where there are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where
+/// the brakings and readings where there are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where
 /// energy was counted before it.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 

@@ -61,6 +61,9 @@ TEST_CASE("across laws what is shipped loses less than the filter alone, and hol
     CHECK(sum(Method::past_lives, &LeftScore::skill) == 0.0);
     CHECK(sum(Method::oracle, &LeftScore::skill) == Approx(1.0));
     CHECK(result.within_by_law.size() == 2);
+    // Readings of the lining help on any law, to who forecasts by friction and to who has only past lives.
+    CHECK(sum(Method::shipped_read, &LeftScore::crps) < sum(Method::shipped, &LeftScore::crps));
+    CHECK(sum(Method::past_lives_read, &LeftScore::crps) < sum(Method::past_lives, &LeftScore::crps));
 }
 
 TEST_CASE("scores of who knows the truth are those of a normal distribution in closed form", "[WEAR-070]") {

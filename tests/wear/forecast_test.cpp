@@ -246,6 +246,12 @@ TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes
     const std::string json = wear::to_json(p);
     CHECK(wear::population_from_json("p", json) == p);
     CHECK(wear::to_json(wear::learn_population(campaigns, learn)) == json);
+    CHECK(json.find("\"lining\"") == std::string::npos);
+    for (wear::Campaign& c : campaigns)
+        for (std::size_t i = 9; i < c.points.size(); i += 10) c.readings.push_back({c.points[i].c_e_J, 0.01 * static_cast<double>(i % 30)});
+    const wear::Population read = wear::learn_population(campaigns, learn);
+    CHECK(read.curves.lining.lives == 4);
+    CHECK(wear::population_from_json("p", wear::to_json(read)) == read);
     campaigns.resize(2);
     CHECK_THROWS_AS(wear::learn_population(campaigns, learn), std::invalid_argument);
 }

@@ -27,6 +27,10 @@ double curve(double share, double offset) {
     return share < 0.6 ? 0.26 - 0.02 * share + offset : 0.248 + offset - (0.048 + offset) / 0.4 * (share - 0.6);
 }
 
+constexpr double kSlope = 0.95, kSlopeScatter = 0.04;  // of the lining's wear; a brake with more friction wears further
+constexpr double kReadingError = 0.02;
+constexpr std::size_t kReadingEvery = 10;
+
 struct Known {
     wear::Campaign campaign;
     double life_J = 0.0;
@@ -43,6 +47,19 @@ Known brake(std::uint64_t seed) {
         before = energy - 1.0;
         taken_J += 1e6 * energy;
         out.campaign.points.push_back({taken_J, friction});
+    }
+    return out;
+}
+
+/// The same brake, with readings.
+Known read_brake(std::uint64_t seed) {
+    Known out = brake(seed);
+    wear::Generator offsets = wear::generator_of(seed, 77), generator = wear::generator_of(seed, 78);
+    (void)wear::normal(offsets);
+    const double slope = kSlope + kSlopeScatter * (0.8 * wear::normal(offsets) + 0.6 * wear::normal(generator));
+    for (std::size_t i = kReadingEvery - 1; i < out.campaign.points.size(); i += kReadingEvery) {
+        const double taken_J = out.campaign.points[i].c_e_J;
+        out.campaign.readings.push_back({taken_J, slope * taken_J / out.life_J + kReadingError * wear::normal(generator)});
     }
     return out;
 }
@@ -151,6 +168,113 @@ TEST_CASE("with a known life the filter is the joint normal distribution of all 
         }
         CHECK(h.log_likelihood == Approx(sum).epsilon(1e-9));
     }
+}
+
+TEST_CASE("the lining's wear is learnt with its scatter, its error and what it has to do with friction", "[WEAR-074]") {
+    std::vector<wear::Campaign> lives;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) lives.push_back(read_brake(seed).campaign);
+    const wear::LifeCurves c = wear::learn_life_curves(lives, kLimit);
+    CHECK(c.lining.lives == 60);
+    CHECK(c.lining.slope == Approx(kSlope).margin(3.0 * kSlopeScatter / std::sqrt(60.0)));
+    CHECK(std::sqrt(c.lining.variance) == Approx(kSlopeScatter).epsilon(0.3));
+    CHECK(c.lining.error == Approx(kReadingError).epsilon(0.1));
+    // 0.8 of the slope's scatter is that of the offset.
+    CHECK(c.lining.with_curve.at(5) == Approx(0.8 * kSlopeScatter * kOffset).epsilon(0.5));
+    // What friction says is what it says without readings.
+    std::vector<wear::Campaign> bare = lives;
+    for (wear::Campaign& life : bare) life.readings.clear();
+    const wear::LifeCurves friction_only = wear::learn_life_curves(bare, kLimit);
+    CHECK(friction_only.lining == wear::LiningWear{});
+    CHECK(c.fresh == Approx(friction_only.fresh).epsilon(0.01));
+    for (std::size_t k = 0; k < wear::kCurve; ++k) CHECK(c.mean.at(k) == Approx(friction_only.mean.at(k)).margin(5e-4));
+}
+
+TEST_CASE("a friction and a reading are jointly normal", "[WEAR-074]") {
+    wear::LifeCurves c = learnt();
+    c.remembered = 0.0;
+    c.lining = {.lives = 30, .slope = 0.95, .by_life = 0.01, .with_curve = {}, .variance = 0.0016, .error = 0.02};
+    c.lining.with_curve.at(0) = 0.7 * std::sqrt(c.covariance.at(0).at(0) * c.lining.variance);
+    const double life_J = 140e6, deviations = (std::log(life_J) - c.log_life) / c.log_life_deviation, share = 0.3;
+    wear::LifeFilter filter = wear::LifeFilter::of_life(c, life_J);
+    const double friction = c.mean.at(0) + deviations * c.by_life.at(0) + 0.004, worn = 0.31;
+    filter.learn({share * life_J, friction});
+    filter.read({share * life_J, worn});
+    // Of the reading given the friction, by the formula of the bivariate normal.
+    const double cross = share * c.lining.with_curve.at(0), of_friction = c.covariance.at(0).at(0) + c.fresh * c.fresh;
+    const double variance = share * share * c.lining.variance + c.lining.error * c.lining.error - cross * cross / of_friction;
+    const double off = worn - share * (0.95 + deviations * 0.01) - cross / of_friction * 0.004;
+    CHECK(filter.hypotheses()[0].log_readings == Approx(-0.5 * (off * off / variance + std::log(variance))).epsilon(1e-9));
+    // And the curve has moved with the reading.
+    const double slope_variance = c.lining.variance - std::pow(c.lining.with_curve.at(0), 2) / of_friction;
+    const double curve_slope = c.lining.with_curve.at(0) * (1.0 - c.covariance.at(0).at(0) / of_friction);
+    const double gain = share * curve_slope / (share * share * slope_variance + c.lining.error * c.lining.error);
+    CHECK(filter.hypotheses()[0].state.at(0) == Approx(friction - 0.004 + c.covariance.at(0).at(0) / of_friction * 0.004 + gain * off).epsilon(1e-9));
+}
+
+TEST_CASE("readings of the lining tell lives apart that friction does not; without learnt ones they say nothing", "[WEAR-074]") {
+    std::vector<wear::Campaign> lives;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) lives.push_back(read_brake(seed).campaign);
+    const wear::LifeCurves c = wear::learn_life_curves(lives, kLimit);
+    double held = 0.0, width_J = 0.0, width_by_friction_J = 0.0;
+    constexpr int kBrakes = 100;
+    for (std::uint64_t seed = 5000; seed < 5000 + kBrakes; ++seed) {
+        const Known b = read_brake(seed);
+        wear::LifeFilter read(c), by_friction(c);
+        const std::size_t half = b.campaign.points.size() / 2;
+        for (std::size_t i = 0; i < half; ++i) {
+            read.learn(b.campaign.points[i]);
+            by_friction.learn(b.campaign.points[i]);
+        }
+        for (const wear::LiningReading& r : b.campaign.readings)
+            if (r.c_e_J <= b.campaign.points[half - 1].c_e_J) read.read(r);
+        const std::vector<double> lives_J = read.lives_J(100), wide_J = by_friction.lives_J(100);
+        held += b.life_J >= lives_J[9] && b.life_J <= lives_J[90] ? 1.0 / kBrakes : 0.0;
+        width_J += lives_J[90] - lives_J[9];
+        width_by_friction_J += wide_J[90] - wide_J[9];
+    }
+    CHECK(held == Approx(0.81).margin(0.12));  // standard error 0.04, and 60 lives learnt from
+    CHECK(width_J < 0.6 * width_by_friction_J);
+    wear::LifeFilter untold(learnt()), same(learnt());
+    untold.learn({1e6, 0.26});
+    same.learn({1e6, 0.26});
+    untold.read({1e6, 0.5});
+    CHECK(untold.lives_J(100) == same.lives_J(100));
+}
+
+TEST_CASE("the likelihood of readings integrates over the slope", "[WEAR-074]") {
+    wear::LifeCurves c;
+    c.log_life = std::log(150e6);
+    c.log_life_deviation = 0.1;
+    c.lining = {.lives = 30, .slope = 0.95, .by_life = 0.02, .with_curve = {}, .variance = 0.0019, .error = 0.02};
+    wear::LiningLikelihood lining(c, 0.09);
+    const double deviation = std::sqrt(0.0019 + std::pow(0.09 * 0.95, 2));
+    CHECK_FALSE(lining.any());
+    const wear::LiningReading readings[] = {{20e6, 0.12}, {50e6, 0.36}, {70e6, 0.44}};
+    for (const wear::LiningReading& r : readings) lining.read(r);
+    const auto by_sum = [&](double life_J) {
+        double sum = 0.0;
+        constexpr double kStep = 1e-4;
+        for (double slope = 0.0; slope < 2.0; slope += kStep) {
+            double log_p = -0.5 * std::pow((slope - 0.95 - 0.02 * std::log(life_J / 150e6) / 0.1) / deviation, 2);
+            for (const wear::LiningReading& r : readings) log_p -= 0.5 * std::pow((r.worn - slope * r.c_e_J / life_J) / 0.02, 2);
+            sum += kStep * std::exp(log_p);
+        }
+        return std::log(sum);
+    };
+    for (const double life_J : {120e6, 140e6, 180e6})
+        CHECK(lining.log_likelihood(life_J) - lining.log_likelihood(150e6) == Approx(by_sum(life_J) - by_sum(150e6)).epsilon(1e-6));
+    // Of lives that are spread evenly, those that fit the readings.
+    std::vector<double> lives_J;
+    for (int i = 0; i <= 2000; ++i) lives_J.push_back(100e6 + 0.05e6 * i);
+    const std::vector<double> given = lining.given(lives_J, 200);
+    CHECK(std::is_sorted(given.begin(), given.end()));
+    double sum = 0.0, below = 0.0;
+    for (const double life_J : lives_J) {
+        const double p = std::exp(lining.log_likelihood(life_J) - lining.log_likelihood(150e6));
+        sum += p;
+        below += life_J < given[49] ? p : 0.0;
+    }
+    CHECK(below / sum == Approx(0.2475).margin(0.003));
 }
 
 TEST_CASE("before any reading lives are those of Student's t", "[WEAR-073]") {

@@ -60,6 +60,17 @@ TEST_CASE("a campaign says where it is from, or it is of unknown origin", "[WEAR
     CHECK(rejection("# of March\n# origin: a friend\n" + rows) == "data.csv:2: origin: must begin with 'measured' or 'made up'");
 }
 
+TEST_CASE("readings of the lining stand where they were made", "[WEAR-074]") {
+    const std::string head = "cumulative_energy_MJ,mean_friction,lining_worn\n";
+    const wear::Campaign c = parse_campaign("data.csv", head + "1,0.3,\n2,0.29,0.31\n3,0.29,\n4,0.28,-0.02\n");
+    CHECK(c.readings == std::vector<wear::LiningReading>{{2e6, 0.31}, {4e6, -0.02}});
+    CHECK(parse_campaign("data.csv", wear::to_csv(c)) == c);
+    CHECK(wear::to_csv(parse_campaign("data.csv", kHead + "1,1,0.3\n2,2,0.29\n")).find("lining") == std::string::npos);
+    CHECK_THAT(rejection(head + "1,0.3,\n2,0.29,31\n"),
+               ContainsSubstring("data.csv:3: lining_worn: 31 is no worn share") && ContainsSubstring("percent"));
+    CHECK_THAT(rejection(head + "1,0.3,\n2,0.29,thin\n"), ContainsSubstring("data.csv:3: lining_worn: 'thin'"));
+}
+
 TEST_CASE("energy that was counted before the first maneuver is not that maneuver's", "[WEAR-001]") {
     const wear::Campaign c = parse_campaign("c", "cumulative_energy_MJ,mean_friction\n100,0.3\n101,0.29\n102,0.28\n");
     CHECK(std::isnan(wear::brake_energy_J(c, 0)));
