@@ -101,6 +101,8 @@ py::dict Ledger::rows() const {
     out["disc_energy_J"] = column(disc_energies_J(rows));
     for (const rig::record::SpecimenField& field : rig::record::kSpecimenFields)
         out[field.key] = column(rows, [&](const LedgerRow& row) { return row.summary.specimen.*field.value; });
+    for (const rig::record::WearReadingField& field : rig::record::kWearReadingFields)
+        out[field.key] = column(rows, [&](const LedgerRow& row) { return row.worn.*field.value; });
     add(kTail);
     return out;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <optional>
 
 #include "rig_bridge/wear/landings_forecast.hpp"
@@ -13,13 +14,15 @@ namespace rig::bridge {
 std::string landings_left(const std::filesystem::path& model, const std::vector<record::LedgerRow>& rows, double min_friction) {
     constexpr std::size_t kNewest = 100;  // whose energies the landings to come have
     wear::Campaign campaign;
-    for (const record::LedgerRow& row : rows)
+    for (const record::LedgerRow& row : rows) {
         if (row.state == record::RowState::finished && !record::off_conditions(row.summary))
             campaign.points.push_back({row.summary.cumulative_energy_J, row.summary.figures.mean_friction});
+        if (row.has_figures && std::isfinite(row.worn.lining)) campaign.readings.push_back({row.summary.cumulative_energy_J, row.worn.lining});
+    }
     if (campaign.points.size() < 2 || !(min_friction > 0.0)) return {};
     const wear::PopulationFile file = wear::read_population(model);
     wear::LandingsForecast brake(file.population);
-    for (const wear::Point& point : campaign.points) brake.learn(point);
+    brake.learn(campaign);
     const wear::ForecastSettings settings{.limit = min_friction, .horizon = 3000, .draws = 400};
     const wear::Forecast f = brake.forecast(wear::mix_of(campaign, kNewest), settings);
     const std::string by = file.population.provenance.sentence();

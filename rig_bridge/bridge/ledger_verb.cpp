@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
@@ -28,13 +29,20 @@ int note_in_ledger(const NoteCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
     const std::string campaign = replay::chosen_campaign(file, command.campaign);
     const std::string now = iso_8601(std::chrono::system_clock::now());
+    std::string said = to_text(command.said);
     record::Ledger ledger(file);
     ledger.choose(campaign);
     record::check_texts(command.said);
     for (const record::SpecimenField& field : record::kSpecimenFields)
         if (const std::string& text = command.said.*field.value; !text.empty())
             ledger.note(command.number, command.attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
-    fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number, command.attempt, to_text(command.said), command.who);
+    for (const record::WearReadingField& field : record::kWearReadingFields)
+        if (const double worn = command.worn.*field.value; std::isfinite(worn)) {
+            const std::string text = fmt::format("{}", worn);
+            ledger.note(command.number, command.attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
+            said += fmt::format("{}{} {}", said.empty() ? "" : ", ", field.key, text);
+        }
+    fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number, command.attempt, said, command.who);
     return 0;
 }
 

@@ -1,6 +1,7 @@
 #include "rig_bridge/bridge/options.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "firmware/host/settings/command_line.hpp"
@@ -23,6 +24,7 @@ constexpr auto kFooter = R"(Examples:
   rig-bridge watch runs/brake7 --can can0
   rig-bridge pause runs/brake7 --why "tyre change"; rig-bridge resume runs/brake7
   rig-bridge ledger note runs/brake7 --maneuver 31 --tyre T9 --notes "tread cut on the left" --who "A. Rossi"
+  rig-bridge ledger note runs/brake7 --maneuver 40 --lining-worn 0.31 --tread-worn 0.2 --who "A. Rossi"
   rig-bridge ledger amend runs/brake7 --maneuver 31 --energy-MJ 0.974 --who "A. Rossi" --why "encoder node restarted; see its log"
 Ctrl-C brings the maneuver to its safe end first; a second one ends the program at once, and the PLC's watchdog and the controller's
 time-outs make the rig safe. The same campaign command goes on where it was, whatever ended it.
@@ -184,19 +186,22 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     amend->add_option("--campaign", amendment.campaign, "where the ledger has several");
     NoteCommand noted;
     CLI::App* const note =
-        ledger->add_subcommand("note", "serial numbers, operator or notes of a maneuver, afterwards; rows of their own, nothing is overwritten");
+        ledger->add_subcommand("note", "serial numbers, operator, notes, or the wear that was read after a maneuver; nothing is overwritten");
     campaign_directory(*note, noted.directory);
     note->add_option("--maneuver", noted.number, "its number")->required()->check(CLI::PositiveNumber);
     note->add_option("--attempt", noted.attempt, "which attempt at it")->check(CLI::PositiveNumber)->capture_default_str();
     note->add_option("--who", noted.who, "who says so")->required();
     note->add_option("--campaign", noted.campaign, "where the ledger has several");
     record::add_specimen_options(*note, noted.said, "");
+    for (const record::WearReadingField& field : record::kWearReadingFields)
+        note->add_option(field.option, noted.worn.*field.value, field.what)->check(CLI::Range(record::WearReading::kMin, record::WearReading::kMax));
     for (CLI::App* const verb : {one, many, before, state, look, hold, go, ledger, amend, note}) verb->footer(kFooter);
     if (const auto mistake = settings::parse(app, argc, argv)) return *mistake;
     if (state->parsed()) return BridgeCommand{status};
     if (amend->parsed()) return BridgeCommand{amendment};
     if (note->parsed()) {
-        if (noted.said == record::Specimen{}) throw std::invalid_argument("ledger note: nothing is said; see --help");
+        if (noted.said == record::Specimen{} && std::isnan(noted.worn.lining) && std::isnan(noted.worn.tread))
+            throw std::invalid_argument("ledger note: nothing is said; see --help");
         return BridgeCommand{noted};
     }
     if (look->parsed()) {

@@ -10,6 +10,7 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "rig_bridge/bridge/campaign_rules.hpp"
 #include "rig_bridge/record/specimen.hpp"
+#include "rig_bridge/record/wear_reading.hpp"
 
 namespace rig::bridge {
 
@@ -70,7 +71,7 @@ struct AmendCommand {
     double energy_MJ = 0.0;
     std::string who, why;
 };
-/// What a person says afterwards of a maneuver's specimen.
+/// What a person says afterwards of a maneuver's specimen, and reads of its wear.
 struct NoteCommand {
     std::filesystem::path directory;
     std::string campaign;  ///< empty: the only one
@@ -78,6 +79,7 @@ struct NoteCommand {
     std::int64_t attempt = 1;
     std::string who;
     record::Specimen said;
+    record::WearReading worn;
 };
 /// Holds a campaign between two maneuvers, or lets it go on.
 struct HoldCommand {

@@ -44,16 +44,24 @@ wear::Landing landing(const record::LedgerRow& row, double reference, double wea
     return landing;
 }
 
+wear::WearPlan plan_of(const wear::RegulationConfig& config, const Scenario& scenario) {
+    if (scenario.mean.law != rig::BrakeLaw::slip)
+        throw settings::Error(scenario.files.front().string(), 0, "law.law",
+                              "--regulate moves the slip reference, which this law has not; expected \"slip\"");
+    const double energy_J = kinetic_J(scenario);
+    const double deviation_J = 2.0 * scenario.scatter.speed_mps / scenario.mean.speed_mps * energy_J;
+    return wear::plan_of(config, scenario.rig.wear.life_J, energy_J, deviation_J);
+}
+
 }  // namespace
 
 WearRegulation::WearRegulation(const wear::RegulationConfig& config, const Scenario& scenario)
-    : rules_(config.rules), friction_curve_(scenario.rig.rig.friction_curve), drop_out_mps_(scenario.rig.drop_out_mps) {
-    const std::string file = scenario.files.front().string();
-    if (scenario.mean.law != rig::BrakeLaw::slip)
-        throw settings::Error(file, 0, "law.law", "--regulate moves the slip reference, which this law has not; expected \"slip\"");
-    const double energy_J = kinetic_J(scenario);
-    const double deviation_J = 2.0 * scenario.scatter.speed_mps / scenario.mean.speed_mps * energy_J;
-    plan_ = wear::plan_of(config, scenario.rig.wear.life_J, energy_J, deviation_J);
+    : plan_(plan_of(config, scenario)),
+      rules_(config.rules),
+      lining_(plan_.brake_life_J, config.deviations.brake, config.deviations.inspection),
+      tread_(plan_.tyre_life_J, config.deviations.tyre, config.deviations.inspection),
+      friction_curve_(scenario.rig.rig.friction_curve),
+      drop_out_mps_(scenario.rig.drop_out_mps) {
     try {
         range_ = config.range(scenario.choice.road());
         static_cast<void>(wear::Regulator(plan_, rules_, range_));
@@ -66,6 +74,7 @@ WearRegulation::WearRegulation(const wear::RegulationConfig& config, const Scena
 
 wear::Regulator WearRegulation::after(const std::vector<record::LedgerRow>& rows) const {
     wear::Regulator regulator(plan_, rules_, range_);
+    wear::LifeReadings lining = lining_, tread = tread_;
     std::optional<wear::LifeForecast> life_forecast = life_forecast_;
     auto finished = static_cast<std::size_t>(
         std::count_if(rows.begin(), rows.end(), [](const record::LedgerRow& row) { return row.state == record::RowState::finished; }));
@@ -80,11 +89,20 @@ wear::Regulator WearRegulation::after(const std::vector<record::LedgerRow>& rows
             counted = counted && row.summary.frames_dropped == 0 && std::isfinite(row.summary.cumulative_energy_J);
             regulator.after(landing(row, row.slip_reference, counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : wear::kUnknown));
             --finished;
-            if (!life_forecast || regulator.last_reading() != wear::Reading::measured) continue;
-            life_forecast->learn(regulator.brake_used_J(),
-                                 rig::mean_of_measured(friction_curve_, figures.mean_friction, drop_out_mps_ / figures.brake_on_mps));
-            if (finished >= kForecasts) continue;
-            if (const auto life_J = life_forecast->life_J()) regulator.revise_brake_life(*life_J);
+            if (life_forecast && regulator.last_reading() == wear::Reading::measured) {
+                life_forecast->learn(regulator.brake_used_J(),
+                                     rig::mean_of_measured(friction_curve_, figures.mean_friction, drop_out_mps_ / figures.brake_on_mps));
+                if (const auto life_J = finished < kForecasts ? life_forecast->life_J() : std::nullopt) regulator.revise_brake_life(*life_J);
+            }
+        }
+        if (std::isfinite(row.worn.lining)) {
+            lining.read(regulator.brake_used_J(), row.worn.lining);
+            regulator.revise_brake_life(lining.life_J());
+            life_forecast.reset();  // an inspection is worth many times as much
+        }
+        if (std::isfinite(row.worn.tread)) {
+            tread.read(regulator.tyre_used_J(), row.worn.tread);
+            regulator.revise_tyre_life(tread.life_J());
         }
     }
     return regulator;

@@ -10,6 +10,7 @@
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 #include "rig_bridge/wear/life_forecast.hpp"
+#include "rig_bridge/wear/life_readings.hpp"
 #include "rig_bridge/wear/regulation_config.hpp"
 
 namespace rig::bridge {
@@ -21,8 +22,8 @@ class WearRegulation {
     WearRegulation(const wear::RegulationConfig& config, const Scenario& scenario);
 
     /// The regulator after these rows, oldest first. A finished maneuver counts as a landing (figures with missing frames are not used), an aborted
-    /// one by its energies, others not at all. The brake's life is forecast from its friction if the configuration asks for it and the newest
-    /// kForecasts landings allow it; else it is the plan's.
+    /// one by its energies, others not at all. Lives of brake and tyre are the plan's, corrected by what was read of their wear. Until the lining
+    /// is read, the brake's is forecast from its friction if the configuration asks for it and the newest kForecasts landings allow it.
     [[nodiscard]] wear::Regulator after(const std::vector<record::LedgerRow>& rows) const;
 
     [[nodiscard]] const wear::WearPlan& plan() const { return plan_; }
@@ -31,7 +32,8 @@ class WearRegulation {
     wear::WearPlan plan_;
     wear::Rules rules_;
     wear::Range range_;
-    std::optional<wear::LifeForecast> life_forecast_;  // before any landing
+    wear::LifeReadings lining_, tread_;  // before any landing, as the next
+    std::optional<wear::LifeForecast> life_forecast_;
     rig::FrictionCurve friction_curve_;
     double drop_out_mps_;
 

@@ -35,6 +35,7 @@
 #include "firmware/host/settings/storage.hpp"
 #include "rig_bridge/record/health.hpp"
 #include "rig_bridge/record/summary.hpp"
+#include "rig_bridge/record/wear_reading.hpp"
 
 namespace rig::record {
 
@@ -81,10 +82,10 @@ struct Amendment {
     std::string why;
 };
 
-/// A person's later note on a maneuver's specimen.
+/// A person's later note on a maneuver's specimen, or the wear that was read after it.
 struct Note {
-    std::string field;  ///< key of kSpecimenFields
-    std::string text;   ///< replaces the row's text; for `notes`: added to it
+    std::string field;  ///< key of kSpecimenFields or kWearReadingFields
+    std::string text;   ///< replaces what was there; for `notes`: added to it
     std::string who;
     std::string made{};  ///< wall clock, ISO 8601 UTC
 };
@@ -99,6 +100,7 @@ struct LedgerRow {
     std::vector<Amendment> amendments;  ///< oldest first
     std::vector<Note> notes;            ///< oldest first
     Specimen recorded;                  ///< as given to begin()
+    WearReading worn;                   ///< after it, as noted
     Health health;                      ///< unknown unless it finished and was judged
     /// Slip reference of the maneuver; NaN: another law, or a ledger from before it was stored.
     double slip_reference = std::numeric_limits<double>::quiet_NaN();
@@ -161,7 +163,8 @@ class Ledger {
     /// Sets the attempt's contribution to the cumulative energy to `amendment.counted_J`. Throws LedgerError if the attempt has not ended, or `who`
     /// or `why` is empty.
     void amend(std::int64_t number, std::int64_t attempt, const Amendment& amendment);
-    /// Adds a note, which readers see from now on. Throws LedgerError if there is no such attempt or field, or `who` or `text` is empty.
+    /// Adds a note, which readers see from now on. Throws LedgerError if there is no such attempt or field, or `who` or `text` is empty;
+    /// std::invalid_argument for a text that is none of its field.
     void note(std::int64_t number, std::int64_t attempt, const Note& note);
 
   private:

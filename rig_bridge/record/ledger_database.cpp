@@ -92,6 +92,20 @@ CREATE TABLE said (  -- of a maneuver's specimen, afterwards
     made TEXT NOT NULL
 ) STRICT;
 )",
+    R"(
+CREATE TABLE noted (  -- of a maneuver afterwards: its specimen, or the wear that was read after it
+    id INTEGER PRIMARY KEY,
+    maneuver INTEGER NOT NULL REFERENCES maneuvers (id),
+    field TEXT NOT NULL
+        CHECK (field IN ('brake_serial', 'disc_serial', 'tyre_serial', 'specimen_serial', 'operator', 'notes',
+            'lining_worn', 'tread_worn')),
+    text TEXT NOT NULL CHECK (text <> ''),
+    who TEXT NOT NULL CHECK (who <> ''),
+    made TEXT NOT NULL
+) STRICT;
+INSERT INTO noted SELECT * FROM said;
+DROP TABLE said;
+)",
 };
 
 /// The tables of schema 1.

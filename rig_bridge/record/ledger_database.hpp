@@ -106,6 +106,6 @@ inline constexpr std::string_view kWarningsApart = "; ";
 [[nodiscard]] std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::filesystem::path& ledger, const std::string& campaign,
                                                std::int64_t id);
 
-inline constexpr std::int64_t kLedgerSchema = 6;
+inline constexpr std::int64_t kLedgerSchema = 7;
 
 }  // namespace rig::record

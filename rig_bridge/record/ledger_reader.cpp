@@ -48,7 +48,7 @@ std::vector<Amendment> amendments(const LedgerDatabase& database, std::int64_t m
 }
 
 std::vector<Note> notes(const LedgerDatabase& database, std::int64_t maneuver) {
-    Statement rows = database.prepare("SELECT field, text, who, made FROM said WHERE maneuver = ?1 ORDER BY id");
+    Statement rows = database.prepare("SELECT field, text, who, made FROM noted WHERE maneuver = ?1 ORDER BY id");
     rows.bind(1, maneuver);
     std::vector<Note> all;
     while (rows.step()) all.push_back({.field = rows.text(0), .text = rows.text(1), .who = rows.text(2), .made = rows.text(3)});
@@ -113,7 +113,11 @@ LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const s
     const std::int64_t id = row.integer(c++);
     out.notes = notes(database, id);
     out.recorded = s.specimen;
-    for (const Note& note : out.notes) take(note, s.specimen);
+    for (const Note& note : out.notes) {
+        take(note, s.specimen);
+        for (const WearReadingField& field : kWearReadingFields)
+            if (note.field == field.key) out.worn.*field.value = worn_share(field.key, note.text);
+    }
     out.amendments = amendments(database, id);
     out.counted_J = out.amendments.empty() ? counted_energy_J(s) : out.amendments.back().counted_J;
     s.cumulative_energy_J += row.real(c++);
@@ -219,11 +223,14 @@ void Ledger::note(std::int64_t number, std::int64_t attempt, const Note& note) {
     if (note.who.empty() || note.text.empty()) throw LedgerError(where + " is noted only with who and what");
     check_text("--who", note.who);
     check_text(note.field, note.text);
-    if (std::none_of(kSpecimenFields.begin(), kSpecimenFields.end(), [&](const SpecimenField& field) { return note.field == field.key; }))
+    const auto named = [&](const auto& field) { return note.field == field.key; };
+    if (std::any_of(kWearReadingFields.begin(), kWearReadingFields.end(), named))
+        (void)worn_share(note.field, note.text);
+    else if (std::none_of(kSpecimenFields.begin(), kSpecimenFields.end(), named))
         throw LedgerError(where + ": nothing is called '" + note.field + "'");
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement insert = impl_->database.prepare(
-        "INSERT INTO said (maneuver, field, text, who, made) SELECT id, ?4, ?5, ?6, ?7 FROM maneuvers "
+        "INSERT INTO noted (maneuver, field, text, who, made) SELECT id, ?4, ?5, ?6, ?7 FROM maneuvers "
         "WHERE campaign = ?1 AND number = ?2 AND attempt = ?3 RETURNING id");
     insert.bind(1, impl_->id).bind(2, number).bind(3, attempt).bind(4, note.field).bind(5, note.text).bind(6, note.who).bind(7, note.made);
     if (!insert.step()) throw LedgerError(where + " is not in campaign '" + impl_->campaign.name + "'");

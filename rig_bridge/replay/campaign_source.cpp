@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,8 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     for (const LedgerRow& row : rows) {
         const record::Specimen& parts = row.summary.specimen;
         const double disc_J = row.has_figures ? taken.after(parts, row.summary.cumulative_energy_J) : 0.0;
+        if (row.has_figures && std::isfinite(row.worn.lining) && parts.brake == out.brake && parts.disc == out.disc)
+            out.readings.push_back({disc_J, row.worn.lining});
         if (row.state != record::RowState::finished) continue;
         if (off == OutOfTolerance::left_out && record::off_conditions(row.summary)) {
             ++left_out;

@@ -21,8 +21,8 @@ enum class OutOfTolerance : std::uint8_t { left_out, taken };
 
 /// `where`: an SQLite ledger or a directory with campaign.sqlite in it (of `campaign`, which may be empty when the ledger holds one only), else
 /// a CSV as wear::read_campaign() takes it. From a ledger, every maneuver finished within tolerance is a point; aborted ones count in the cumulative
-/// energy. If brake or disc were changed, only the newest pair is used, with its own energy. In messages, row i is then the i-th finished maneuver.
-/// Throws settings::Error as wear::read_campaign() and read_ledger() do.
+/// energy, and what was read of the lining after any of them is a reading. If brake or disc were changed, only the newest pair is used, with its own
+/// energy. In messages, row i is then the i-th finished maneuver. Throws settings::Error as wear::read_campaign() and read_ledger() do.
 [[nodiscard]] wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign,
                                            OutOfTolerance off = OutOfTolerance::left_out);
 

@@ -82,6 +82,7 @@ class Rebuild {
             row.summary.cumulative_energy_J = energy_J_;
         }
         row.specimen = ledger != nullptr ? ledger->summary.specimen : row.summary.specimen;
+        if (ledger != nullptr) row.worn = ledger->worn;
         row.disc_energy_J = disc_.after(row.specimen, energy_J_);
         // A summary has the values at the time of writing; sums that were amended later differ.
         if (stated) compare(row.summary, *stated, "summary.json", !amended_, row.differences);
@@ -244,13 +245,19 @@ std::string to_csv(const CampaignTable& table) {
     std::string columns = "number|attempt|outcome|cumulative_energy_J";
     for (const record::FigureField& field : record::kFigureFields) columns.append("|").append(field.key);
     for (const record::SpecimenField& field : record::kSpecimenFields) columns.append("|").append(field.key);
-    auto csv = settings::TextTable::csv(columns + "|disc_energy_J");
+    columns.append("|disc_energy_J");
+    for (const record::WearReadingField& field : record::kWearReadingFields) columns.append("|").append(field.key);
+    auto csv = settings::TextTable::csv(columns);
     for (const CampaignRow& row : table.rows) {
         if (!row.counted) continue;
         csv.add(row.folder.number, row.folder.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
         for (const record::FigureField& field : record::kFigureFields) csv.add(row.summary.figures.*field.value);
         for (const record::SpecimenField& field : record::kSpecimenFields) csv.add(settings::csv_field(row.specimen.*field.value));
         csv.add(row.disc_energy_J);
+        for (const record::WearReadingField& field : record::kWearReadingFields) {
+            const double worn = row.worn.*field.value;
+            csv.add(std::isfinite(worn) ? fmt::format("{}", worn) : std::string());
+        }
     }
     return csv.text();
 }
@@ -266,6 +273,7 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
         if (row.counted)
             for (const record::FigureField& field : record::kFigureFields) one[field.key] = row.summary.figures.*field.value;
         for (const record::SpecimenField& field : record::kSpecimenFields) one[field.key] = row.specimen.*field.value;
+        for (const record::WearReadingField& field : record::kWearReadingFields) one[field.key] = row.worn.*field.value;
         one["disc_energy_J"] = row.disc_energy_J;
         one["warnings"] = row.summary.warnings;
         one["differences"] = row.differences;

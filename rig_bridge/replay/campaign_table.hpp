@@ -30,6 +30,7 @@ struct CampaignRow {
     /// summary.json, or what is known without it, with figures, warnings and sums replaced by those from the logs, as amended.
     record::Summary summary;
     record::Specimen specimen{};  ///< as noted; `summary` has it as it was recorded
+    record::WearReading worn{};   ///< as noted
     double disc_energy_J = 0.0;   ///< part of the cumulative energy taken by this row's brake and disc
     /// "mean_friction is 0.29817 from the log, 0.29816 in summary.json"; bit by bit.
     std::vector<std::string> differences;

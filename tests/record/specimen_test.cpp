@@ -1,5 +1,9 @@
 #include "rig_bridge/record/specimen.hpp"
 
+#include <sqlite3.h>
+
+#include <cmath>
+
 #include "firmware/host/settings/csv_field.hpp"
 #include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/ledger.hpp"
@@ -127,6 +131,57 @@ TEST_CASE("What people note afterwards holds, and nothing is overwritten", "[BRG
     REQUIRE(rows[0].notes.size() == 2);
     CHECK(rows[0].notes[0].who == "A. Rossi");
     CHECK(rows[0].notes[1].made == "t9");
+}
+
+TEST_CASE("Wear that people read after a maneuver is a note; the newest holds", "[BRG-270]") {
+    const TempDir dir;
+    const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
+    {
+        rig::record::Ledger ledger(path);
+        ledger.open_campaign(campaign_of({}), rig::record::IfChanged::reject);
+        finish_next(ledger);
+        finish_next(ledger);
+        ledger.note(2, 1, {.field = "lining_worn", .text = "0.31", .who = "A. Rossi", .made = "t8"});
+        ledger.note(2, 1, {.field = "tread_worn", .text = "-0.01", .who = "A. Rossi", .made = "t8"});
+        ledger.note(2, 1, {.field = "lining_worn", .text = "0.13", .who = "A. Rossi", .made = "t9"});
+        for (const char* const bad : {"31", "1.21", "-0.11", "nan", "a third", "0.31 mm", ""})
+            CHECK_THROWS(ledger.note(2, 1, {.field = "lining_worn", .text = bad, .who = "B"}));
+        CHECK_THROWS_WITH(ledger.note(2, 1, {.field = "tread_worn", .text = "31", .who = "B"}),
+                          ContainsSubstring("tread_worn: '31' is no worn share"));
+    }
+    const auto rows = rig::record::read_ledger(path, "brake7");
+    CHECK(std::isnan(rows[0].worn.lining));
+    CHECK(std::isnan(rows[0].worn.tread));
+    CHECK(rows[1].worn.lining == 0.13);
+    CHECK(rows[1].worn.tread == -0.01);
+    CHECK(rows[1].notes.size() == 3);
+}
+
+TEST_CASE("Notes of a ledger of schema 6 are kept", "[BRG-223]") {
+    const TempDir dir;
+    const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
+    {
+        rig::record::Ledger ledger(path);
+        ledger.open_campaign(campaign_of({}), rig::record::IfChanged::reject);
+        finish_next(ledger);
+    }
+    {
+        sqlite3* database = nullptr;
+        REQUIRE(sqlite3_open(path.c_str(), &database) == SQLITE_OK);
+        CHECK(sqlite3_exec(
+                  database,
+                  "CREATE TABLE said (id INTEGER PRIMARY KEY, maneuver INTEGER NOT NULL, field TEXT NOT NULL, text TEXT NOT NULL, who TEXT NOT "
+                  "NULL, made TEXT NOT NULL) STRICT;"
+                  "INSERT INTO said (maneuver, field, text, who, made) VALUES (1, 'disc_serial', 'D8', 'A. Rossi', 't8');"
+                  "DROP TABLE noted; PRAGMA user_version = 6",
+                  nullptr, nullptr, nullptr) == SQLITE_OK);
+        sqlite3_close(database);
+    }
+    CHECK(rig::record::read_ledger(path, "brake7")[0].summary.specimen.disc == "D8");
+    rig::record::Ledger(path).choose("brake7");
+    const auto rows = rig::record::read_ledger(path, "brake7");
+    CHECK(rows[0].summary.specimen.disc == "D8");
+    CHECK(rows[0].notes[0].who == "A. Rossi");
 }
 
 TEST_CASE("A summary keeps its specimen, and an older one has none", "[BRG-270]") {

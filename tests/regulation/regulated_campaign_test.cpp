@@ -122,6 +122,32 @@ TEST_CASE("a campaign reckons with the surfaces that it is told, and with its ow
     CHECK(own.highest > all.highest);
 }
 
+TEST_CASE("what was read of lining and tread corrects their lives", "[BRG-510]") {
+    const rig::Scenario scenario = endurance_test::setup("heavy").scenario;
+    const WearRegulation shares(shipped(), scenario);
+    const wear::WearPlan& plan = shares.plan();
+    const double brake_J = 0.9 * plan.brake_life_J, tyre_J = 1.2 * plan.tyre_life_J;  // true lives
+    std::vector<LedgerRow> rows;
+    double cumulative_J = 0.0;
+    for (int i = 0; i < 40; ++i) rows.push_back(row(RowState::finished, 0.24, 0.23, cumulative_J += 0.77 * 8.3e6));
+    CHECK(shares.after(rows).plan().tyre_life_J == plan.tyre_life_J);
+    const double required_share = shares.after(rows).required_share();
+    rows[9].worn.lining = (plan.brake_taken_J + 10 * 0.77 * 8.3e6) / brake_J;
+    rows[39].worn.lining = (plan.brake_taken_J + 40 * 0.77 * 8.3e6) / brake_J;
+    const wear::Regulator lining = shares.after(rows);
+    // Two readings of 2 % at 0.85 of life, a life of 12 %: little of the plan is left.
+    CHECK(lining.plan().brake_life_J == Approx(brake_J).epsilon(0.005));
+    CHECK(lining.plan().tyre_life_J == plan.tyre_life_J);
+    CHECK(lining.required_share() > required_share + 0.05);  // less is left to the brake
+    rows[39].worn.tread = 40 * 0.23 * 8.3e6 / tyre_J;
+    const wear::Regulator both = shares.after(rows);
+    CHECK(both.plan().tyre_life_J > 1.05 * plan.tyre_life_J);
+    CHECK(both.plan().tyre_life_J < tyre_J);
+    // One that nobody can have read right, before anything was taken, changes nothing for the worse.
+    rows[0].worn.tread = -0.01;
+    CHECK(shares.after(rows).tyre_left_J() > 0.0);
+}
+
 TEST_CASE("the brake's life is what its friction foretells; without friction it is the plan's", "[BRG-510]") {
     const rig::Scenario scenario = endurance_test::setup("heavy").scenario;
     const WearRegulation shares(shipped(), scenario);

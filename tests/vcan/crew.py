@@ -97,7 +97,8 @@ def operator(folder):
     run = rig.bridge("campaign", out, "--disc", "D8", "--go-on-changed", *more)
     check(run.wait(timeout=300) == 0, words(run))
     rig.end()
-    tool(BRIDGE, "ledger", "note", out, "--maneuver", "4", "--tyre", "T9", "--notes", "tread cut", "--who", "A. Rossi")
+    tool(BRIDGE, "ledger", "note", out, "--maneuver", "4", "--tyre", "T9", "--notes", "tread cut", "--lining-worn", "0.31",
+         "--who", "A. Rossi")
     rows = state(out)["maneuvers"]
     check([row["disc_serial"] for row in rows] == ["D7", "D7", "D7", "D7", "D8"], rows)
     check(all(row["operator"] == OPERATOR for row in rows), rows)
@@ -108,6 +109,7 @@ def operator(folder):
     with open(folder / "table.csv", newline="", encoding="utf-8") as file:
         table = list(csv.DictReader(file))
     check([row["disc_serial"] for row in table] == ["D7"] * 4 + ["D8"] and table[-1]["notes"] == f"{NOTES}; tread cut", table)
+    check([row["lining_worn"] for row in table] == [""] * 4 + ["0.31"] and {row["tread_worn"] for row in table} == {""}, table)
     d8_J = float(table[-1]["cumulative_energy_J"]) - float(table[-2]["cumulative_energy_J"])
     check(abs(float(table[-1]["disc_energy_J"]) - d8_J) < 1.0 and table[-2]["disc_energy_J"] == table[-2]["cumulative_energy_J"], table)
 

@@ -1,0 +1,18 @@
+#include "rig_bridge/record/wear_reading.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <stdexcept>
+
+namespace rig::record {
+
+double worn_share(const std::string& what, const std::string& text) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc{} && end == text.data() + text.size() && value >= WearReading::kMin && value <= WearReading::kMax) return value;
+    throw std::invalid_argument(fmt::format("{}: '{}' is no worn share: 0 new, 1 at its limit ({} to {} with the reading's error)", what, text,
+                                            WearReading::kMin, WearReading::kMax));
+}
+
+}  // namespace rig::record
