@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstring>
 #include <stdexcept>
 #include <system_error>
 
@@ -91,6 +92,20 @@ void RawSocket::bind() const {
     address.can_family = AF_CAN;
     address.can_ifindex = index_;
     if (::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) reject_system(interface_, "cannot be bound", errno);
+}
+
+BesideMessage beside(msghdr& header) {
+    BesideMessage out;
+    for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
+        if (c->cmsg_level != SOL_SOCKET) continue;
+        if (c->cmsg_type == SCM_TIMESTAMPNS) std::memcpy(&out.stamp, CMSG_DATA(c), sizeof out.stamp);
+        if (c->cmsg_type == SO_RXQ_OVFL) {
+            std::uint32_t drops = 0;
+            std::memcpy(&drops, CMSG_DATA(c), sizeof drops);
+            out.drops = drops;
+        }
+    }
+    return out;
 }
 
 }  // namespace antiskid::can

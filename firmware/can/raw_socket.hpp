@@ -3,6 +3,9 @@
 
 #include <sys/socket.h>
 
+#include <cstdint>
+#include <ctime>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -34,5 +37,12 @@ class RawSocket {
     int socket_ = -1;
     int index_ = 0;
 };
+
+/// What the kernel says beside a received message.
+struct BesideMessage {
+    timespec stamp{};                    ///< SO_TIMESTAMPNS; 0: none
+    std::optional<std::uint32_t> drops;  ///< SO_RXQ_OVFL: all messages that the socket has dropped so far, modulo 2^32
+};
+[[nodiscard]] BesideMessage beside(msghdr& header);
 
 }  // namespace antiskid::can

@@ -146,18 +146,9 @@ std::size_t SocketCan::receive(std::span<Frame> frames, int flags) {
     batch_->offset.next_batch();
     std::size_t count = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {
-        msghdr& header = batch_->headers[i].msg_hdr;
-        timespec stamp{};
-        for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
-            if (c->cmsg_level != SOL_SOCKET) continue;
-            if (c->cmsg_type == SCM_TIMESTAMPNS) std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
-            if (c->cmsg_type == SO_RXQ_OVFL) {
-                std::uint32_t drops = 0;
-                std::memcpy(&drops, CMSG_DATA(c), sizeof drops);
-                status_.receive_dropped += drops - kernel_drops_;
-                kernel_drops_ = drops;
-            }
-        }
+        const auto [stamp, drops] = beside(batch_->headers[i].msg_hdr);
+        status_.receive_dropped += drops.value_or(kernel_drops_) - kernel_drops_;
+        kernel_drops_ = drops.value_or(kernel_drops_);
         const can_frame& raw = batch_->frames[i];
         if ((raw.can_id & CAN_ERR_FLAG) != 0) {
             note_error_frame(raw.can_id & CAN_ERR_MASK);

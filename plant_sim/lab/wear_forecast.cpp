@@ -54,11 +54,12 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
     return text;
 }
 
-std::string readings_text(const wear::Campaign& campaign, const wear::Population& population) {
+std::string readings_text(const wear::Campaign& campaign, const wear::Population& population, const std::string& method) {
     if (campaign.readings.empty()) return {};
+    if (method == "filter") return fmt::format("{} readings of the lining are not used by this method.\n", campaign.readings.size());
     return fmt::format("{} readings of the lining{}.\n", campaign.readings.size(),
                        population.curves.lining.lives > 0 ? fmt::format(", weighed by those of {} lives", population.curves.lining.lives)
-                                                          : std::string(" are not used: these brakes were learnt from without any"));
+                                                          : std::string(" are not used: these brakes were learnt from with too few"));
 }
 
 struct ForecastCommand {
@@ -92,7 +93,7 @@ struct ForecastCommand {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
         print_table(json_file, "By brakes {}.\n{}{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix),
-                    readings_text(recorded, file.population));
+                    readings_text(recorded, file.population, request.method));
         write_json(out / "forecast.json", json_file, settings::json_page(answer.json));
         if (pictures) draw_forecast(recorded, answer.forecast, resolved.settings.limit, out / "forecast.png");
         print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");

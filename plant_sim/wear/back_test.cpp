@@ -49,12 +49,14 @@ BackTest back_test(const Population& population, const std::vector<HeldOut>& bra
         LandingsForecast forecaster(population);
         Campaign so_far;
         so_far.points.reserve(brake.life);
+        auto reading = brake.campaign.readings.begin();
         for (BackTestRow& row : out.rows) {
             const auto at = static_cast<std::size_t>(row.share_of_life * static_cast<double>(brake.life));
             if (at < 2 || at > brake.campaign.points.size()) continue;
             while (so_far.points.size() < at) {
                 so_far.points.push_back(brake.campaign.points[so_far.points.size()]);
                 forecaster.learn(so_far.points.back());
+                for (; reading != brake.campaign.readings.end() && reading->c_e_J <= so_far.points.back().c_e_J; ++reading) forecaster.read(*reading);
             }
             ForecastSettings ask = settings;
             ask.seed = settings.seed + b;

@@ -59,7 +59,7 @@ ForecastAnswer answer(const ForecastRequest& request, ResolvedRequest resolved, 
     Json json = json_head(resolved, by);
     json["data_hash"] = data_hash(campaign);
     json["maneuvers"] = n;
-    json["lining_readings"] = by.population.curves.lining.lives > 0 ? campaign.readings.size() : 0;
+    json["lining_readings"] = by.population.curves.lining.lives > 0 && request.method != "filter" ? campaign.readings.size() : 0;
     json["cumulative_energy_J"] = f.c_e_J;
     json["landings_to_come"] = json_of(mix);
     json["horizon"] = resolved.settings.horizon;

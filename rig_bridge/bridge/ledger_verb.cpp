@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <chrono>
-#include <cmath>
 
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
@@ -30,19 +29,24 @@ int note_in_ledger(const NoteCommand& command) {
     const std::string campaign = replay::chosen_campaign(file, command.campaign);
     const std::string now = iso_8601(std::chrono::system_clock::now());
     std::string said = to_text(command.said);
+    std::int64_t attempt = command.attempt.value_or(1);
+    if (!command.attempt)
+        for (const record::LedgerRow& row : record::read_ledger(file, campaign))
+            if (row.attempt.number == command.number) attempt = row.attempt.attempt;
     record::Ledger ledger(file);
     ledger.choose(campaign);
     record::check_texts(command.said);
     for (const record::SpecimenField& field : record::kSpecimenFields)
         if (const std::string& text = command.said.*field.value; !text.empty())
-            ledger.note(command.number, command.attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
-    for (const record::WearReadingField& field : record::kWearReadingFields)
-        if (const double worn = command.worn.*field.value; std::isfinite(worn)) {
-            const std::string text = fmt::format("{}", worn);
-            ledger.note(command.number, command.attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
-            said += fmt::format("{}{} {}", said.empty() ? "" : ", ", field.key, text);
-        }
-    fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number, command.attempt, said, command.who);
+            ledger.note(command.number, attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
+    for (std::size_t i = 0; i < command.worn.size(); ++i) {
+        const std::string& text = command.worn.at(i);
+        if (text.empty()) continue;
+        const std::string field = record::kWearReadingFields.at(i).key;
+        ledger.note(command.number, attempt, {.field = field, .text = text, .who = command.who, .made = now});
+        said += fmt::format("{}{} {}", said.empty() ? "" : ", ", field, text);
+    }
+    fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number, attempt, said, command.who);
     return 0;
 }
 

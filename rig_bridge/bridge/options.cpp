@@ -1,7 +1,6 @@
 #include "rig_bridge/bridge/options.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 #include "firmware/host/settings/command_line.hpp"
@@ -189,18 +188,20 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
         ledger->add_subcommand("note", "serial numbers, operator, notes, or the wear that was read after a maneuver; nothing is overwritten");
     campaign_directory(*note, noted.directory);
     note->add_option("--maneuver", noted.number, "its number")->required()->check(CLI::PositiveNumber);
-    note->add_option("--attempt", noted.attempt, "which attempt at it")->check(CLI::PositiveNumber)->capture_default_str();
+    note->add_option("--attempt", noted.attempt, "which attempt at it, by default the newest")->check(CLI::PositiveNumber);
     note->add_option("--who", noted.who, "who says so")->required();
     note->add_option("--campaign", noted.campaign, "where the ledger has several");
     record::add_specimen_options(*note, noted.said, "");
-    for (const record::WearReadingField& field : record::kWearReadingFields)
-        note->add_option(field.option, noted.worn.*field.value, field.what)->check(CLI::Range(record::WearReading::kMin, record::WearReading::kMax));
+    for (std::size_t i = 0; i < noted.worn.size(); ++i)
+        note->add_option(record::kWearReadingFields.at(i).option, noted.worn.at(i), record::kWearReadingFields.at(i).what);
     for (CLI::App* const verb : {one, many, before, state, look, hold, go, ledger, amend, note}) verb->footer(kFooter);
     if (const auto mistake = settings::parse(app, argc, argv)) return *mistake;
     if (state->parsed()) return BridgeCommand{status};
     if (amend->parsed()) return BridgeCommand{amendment};
     if (note->parsed()) {
-        if (noted.said == record::Specimen{} && std::isnan(noted.worn.lining) && std::isnan(noted.worn.tread))
+        for (std::size_t i = 0; i < noted.worn.size(); ++i)
+            if (!noted.worn.at(i).empty()) (void)record::worn_share(record::kWearReadingFields.at(i).option, noted.worn.at(i));
+        if (noted.said == record::Specimen{} && noted.worn == decltype(noted.worn){})
             throw std::invalid_argument("ledger note: nothing is said; see --help");
         return BridgeCommand{noted};
     }

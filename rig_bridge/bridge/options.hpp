@@ -1,6 +1,7 @@
 /// The command line of rig-bridge.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -76,10 +77,10 @@ struct NoteCommand {
     std::filesystem::path directory;
     std::string campaign;  ///< empty: the only one
     std::int64_t number = 0;
-    std::int64_t attempt = 1;
+    std::optional<std::int64_t> attempt;  ///< none: the newest
     std::string who;
     record::Specimen said;
-    record::WearReading worn;
+    std::array<std::string, record::kWearReadingFields.size()> worn;  ///< texts of the ledger's notes; empty: not read
 };
 /// Holds a campaign between two maneuvers, or lets it go on.
 struct HoldCommand {

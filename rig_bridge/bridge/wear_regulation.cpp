@@ -100,7 +100,7 @@ wear::Regulator WearRegulation::after(const std::vector<record::LedgerRow>& rows
             regulator.revise_brake_life(lining.life_J());
             life_forecast.reset();  // an inspection is worth many times as much
         }
-        if (std::isfinite(row.worn.tread)) {
+        if (std::isfinite(row.worn.tread) && row.summary.specimen.tyre == rows.front().summary.specimen.tyre) {
             tread.read(regulator.tyre_used_J(), row.worn.tread);
             regulator.revise_tyre_life(tread.life_J());
         }

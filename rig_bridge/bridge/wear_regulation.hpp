@@ -22,8 +22,9 @@ class WearRegulation {
     WearRegulation(const wear::RegulationConfig& config, const Scenario& scenario);
 
     /// The regulator after these rows, oldest first. A finished maneuver counts as a landing (figures with missing frames are not used), an aborted
-    /// one by its energies, others not at all. Lives of brake and tyre are the plan's, corrected by what was read of their wear. Until the lining
-    /// is read, the brake's is forecast from its friction if the configuration asks for it and the newest kForecasts landings allow it.
+    /// one by its energies, others not at all. Lives of brake and tyre are the plan's, corrected by what was read of their wear (of the first tyre
+    /// only, which the plan is for). Until the lining is read, the brake's is forecast from its friction if the configuration asks for it and the
+    /// newest kForecasts landings allow it.
     [[nodiscard]] wear::Regulator after(const std::vector<record::LedgerRow>& rows) const;
 
     [[nodiscard]] const wear::WearPlan& plan() const { return plan_; }

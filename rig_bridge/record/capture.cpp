@@ -87,18 +87,9 @@ std::span<CapturedFrame> Capture::receive() {
     }
     std::size_t count = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {
-        msghdr& header = batch_->headers[i].msg_hdr;
-        timespec stamp{};
-        for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
-            if (c->cmsg_level != SOL_SOCKET) continue;
-            if (c->cmsg_type == SCM_TIMESTAMPNS) std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
-            if (c->cmsg_type == SO_RXQ_OVFL) {
-                std::uint32_t drops = 0;
-                std::memcpy(&drops, CMSG_DATA(c), sizeof drops);
-                dropped_ += drops - kernel_drops_;
-                kernel_drops_ = drops;
-            }
-        }
+        const auto [stamp, drops] = antiskid::can::beside(batch_->headers[i].msg_hdr);
+        dropped_ += drops.value_or(kernel_drops_) - kernel_drops_;
+        kernel_drops_ = drops.value_or(kernel_drops_);
         if (batch_->headers[i].msg_len == CANFD_MTU) {
             ++status_.fd_frames;
             continue;

@@ -67,6 +67,14 @@ void take(const Note& note, Specimen& specimen) {
     }
 }
 
+double noted_share(const std::filesystem::path& ledger, const Attempt& attempt, const Note& note) {
+    try {
+        return worn_share(note.field, note.text);
+    } catch (const std::invalid_argument& error) {
+        throw LedgerError(fmt::format("{}: maneuver {}, attempt {}: {}", ledger.string(), attempt.number, attempt.attempt, error.what()));
+    }
+}
+
 LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const std::filesystem::path& ledger, const std::string& campaign) {
     LedgerRow out;
     int c = 0;
@@ -116,7 +124,7 @@ LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const s
     for (const Note& note : out.notes) {
         take(note, s.specimen);
         for (const WearReadingField& field : kWearReadingFields)
-            if (note.field == field.key) out.worn.*field.value = worn_share(field.key, note.text);
+            if (note.field == field.key) out.worn.*field.value = noted_share(ledger, out.attempt, note);
     }
     out.amendments = amendments(database, id);
     out.counted_J = out.amendments.empty() ? counted_energy_J(s) : out.amendments.back().counted_J;

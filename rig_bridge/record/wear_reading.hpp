@@ -25,7 +25,8 @@ inline constexpr std::array kWearReadingFields{
     WearReadingField{"tread_worn", "--tread-worn", "worn share of the tyre's tread, likewise", &WearReading::tread},
 };
 
-/// The value of a note's text. Throws std::invalid_argument that names `what` unless it is a plausible number.
+/// The value of a note's text; "none" withdraws a reading (NaN). Throws std::invalid_argument that names `what` for any other text that is no
+/// plausible number.
 [[nodiscard]] double worn_share(const std::string& what, const std::string& text);
 
 }  // namespace rig::record

@@ -33,6 +33,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
     std::size_t left_out = 0, of_others = 0;
+    bool other_disc = false;  // has worn the same lining
     record::DiscEnergy taken;
     if (!rows.empty()) {
         out.brake = rows.back().summary.specimen.brake;
@@ -40,6 +41,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     }
     for (const LedgerRow& row : rows) {
         const record::Specimen& parts = row.summary.specimen;
+        other_disc = other_disc || (parts.brake == out.brake && parts.disc != out.disc);
         const double disc_J = row.has_figures ? taken.after(parts, row.summary.cumulative_energy_J) : 0.0;
         if (row.has_figures && std::isfinite(row.worn.lining) && parts.brake == out.brake && parts.disc == out.disc)
             out.readings.push_back({disc_J, row.worn.lining});
@@ -58,6 +60,10 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     }
     if (left_out > 0) out.source += fmt::format(" ({} out of tolerance left out, --out-of-tolerance takes them)", left_out);
     if (of_others > 0) out.source += fmt::format(" (brake '{}', disc '{}'; {} maneuvers of others left out)", out.brake, out.disc, of_others);
+    if (other_disc && !out.readings.empty()) {
+        out.source += " (readings of the lining left out: another disc has worn it, too)";
+        out.readings.clear();
+    }
     wear::check(out);
     return out;
 }

@@ -55,8 +55,10 @@ WornOut worn_out(const Campaign& campaign, double life_J, double landing_J) {
         life::come(before, (campaign.points[i].c_e_J - taken_J) / landing_J - 1.0);
         taken_J = campaign.points[i].c_e_J;
     }
+    constexpr double kFirstShare = 0.1;  // before, a reading says more of its error than of the slope
     for (const LiningReading& r : campaign.readings)
-        if (r.c_e_J <= kAfterEnd * life_J) out.readings.push_back(r);
+        if (r.c_e_J >= kFirstShare * life_J && r.c_e_J <= kAfterEnd * life_J) out.readings.push_back(r);
+    if (out.readings.size() < 2) out.readings.clear();  // of one alone nobody can tell error and slope apart
     return out;
 }
 
@@ -80,7 +82,9 @@ Smoothed smoothed(const WornOut& brake, const LifeCurves& c, double z) {
     return out;
 }
 
-/// The lining's wear by each brake's own line, where EM begins. Without readings `lives` is 0 and the rest any that EM leaves alone.
+constexpr std::size_t kMinRead = 5;  // lives with readings, from which their scatter can be learnt
+
+/// The lining's wear by each brake's own line, where EM begins. With too few readings `lives` is 0.
 LiningWear first_lining(const std::vector<WornOut>& brakes) {
     LiningWear out{.slope = 1.0, .variance = 1.0, .error = 1.0};
     std::vector<double> slopes;
@@ -96,7 +100,7 @@ LiningWear first_lining(const std::vector<WornOut>& brakes) {
         for (const LiningReading& r : b.readings) squares += square(r.worn - slopes.back() * b.share(r));
         count += static_cast<double>(b.readings.size());
     }
-    if (slopes.empty()) return out;
+    if (slopes.size() < kMinRead) return out;
     constexpr double kMinDeviation = 1e-3;
     out.lives = slopes.size();
     out.slope = std::accumulate(slopes.begin(), slopes.end(), 0.0) / static_cast<double>(slopes.size());
@@ -115,8 +119,8 @@ double reading_error(const std::vector<WornOut>& brakes, const std::vector<Smoot
             squares += square(r.worn - traits[k].mean(life::kKnots) * share) + square(share) * traits[k].covariance(life::kKnots, life::kKnots);
             count += 1.0;
         }
-    constexpr double kMinDeviation = 1e-3;
-    return std::max(kMinDeviation, std::sqrt(squares / count));
+    constexpr double kMinError = 0.005;  // no gauge reads a lining better [A]
+    return std::max(kMinError, std::sqrt(squares / count));
 }
 
 /// Expectation maximisation of what learn_life_curves() says, `evidence` apart.
@@ -224,7 +228,7 @@ LifeCurves fitted(const std::vector<WornOut>& brakes, double landing_J) {
         c.remembered = std::sqrt(remembered);
         c.fresh = std::sqrt(gamma[0] - remembered);
     }
-    if (c.lining.lives == 0) c.lining = {};
+    if (c.lining.lives == 0 || c.lining.slope <= 0.0) c.lining = {};
     return c;
 }
 

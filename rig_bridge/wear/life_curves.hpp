@@ -25,7 +25,7 @@ inline constexpr std::size_t kEnergiesBefore = 6;
 /// Wear of the lining as it is read: slope u + error at the share u of life, since wear is linear in energy (Archard). Lives end by friction: `slope`
 /// is how far the lining is worn by then. It is normal, and correlated with the curve of the same brake.
 struct LiningWear {
-    std::size_t lives = 0;                    ///< with readings, learnt from; 0: nothing is known
+    std::size_t lives = 0;                    ///< with at least two readings from a tenth of life on, at least five; 0: nothing is known
     double slope = 0.0;                       ///< mean
     double by_life = 0.0;                     ///< change of the mean for each standard deviation of log L
     std::array<double, kCurve> with_curve{};  ///< covariance with the curve at the knots

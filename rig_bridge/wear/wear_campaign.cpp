@@ -272,7 +272,9 @@ std::string to_csv(const Campaign& campaign) {
 }
 
 std::string data_hash(const Campaign& campaign) {
-    const std::string csv = to_csv({campaign.source, campaign.points});
+    Campaign data{campaign.source, campaign.points};
+    data.readings = campaign.readings;
+    const std::string csv = to_csv(data);
     const std::string_view bytes = csv;
     return settings::hash_bytes({&bytes, 1});
 }

@@ -59,12 +59,13 @@ struct Campaign {
 /// The same checks for points from another source; errors name row i as line `first_line` + i of `campaign.source`.
 void check(const Campaign& campaign, unsigned first_line = 1);
 
-/// CSV that read_campaign() reads back to the last bit: the origin where it is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J,
-/// the brakings and readings where there are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where
-/// energy was counted before it.
+/// CSV that read_campaign() reads back to the last bit, but for readings that were not made after one of its maneuvers (in a ledger after an aborted
+/// one): such a reading stands at the next maneuver, the newest of several counts, and one after the last is left out. Columns: the origin where it
+/// is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J, the brakings and readings where there are some, and the serial numbers where
+/// they are known. The first maneuver's brake energy is left empty where energy was counted before it.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 
-/// Hash of the points alone, independent of their source and other data.
+/// Hash of points and readings alone, independent of their source and other data.
 [[nodiscard]] std::string data_hash(const Campaign& campaign);
 
 /// Energy taken by the brake before the first maneuver, J: 0 for a new one (see brake_energy_J()), else that after it minus a mean maneuver.

@@ -87,6 +87,14 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK(note.attempt == 2);
     CHECK(note.said.disc == "D8");
     CHECK_THROWS_WITH(parse({"ledger", "note", "tests/bridge", "--maneuver", "3", "--who", "A. Rossi"}), ContainsSubstring("nothing is said"));
+    const auto read =
+        command<rig::bridge::NoteCommand>({"ledger", "note", "tests/bridge", "--maneuver", "3", "--lining-worn", "0.31", "--who", "Kim"});
+    CHECK(read.worn.at(0) == "0.31");
+    CHECK(read.worn.at(1).empty());
+    CHECK_FALSE(read.attempt);
+    for (const char* const bad : {"31", "nan", "31 %"})
+        CHECK_THROWS_WITH(parse({"ledger", "note", "tests/bridge", "--maneuver", "3", "--tread-worn", bad, "--who", "Kim"}),
+                          ContainsSubstring("--tread-worn: '" + std::string(bad) + "' is no worn share"));
     const auto watch = command<rig::bridge::WatchCommand>({"watch", "tests/bridge", "--can", "can0", "--once", "--json", "-"});
     CHECK(watch.directory == "tests/bridge");
     CHECK(watch.once);

@@ -144,6 +144,8 @@ TEST_CASE("Wear that people read after a maneuver is a note; the newest holds", 
         ledger.note(2, 1, {.field = "lining_worn", .text = "0.31", .who = "A. Rossi", .made = "t8"});
         ledger.note(2, 1, {.field = "tread_worn", .text = "-0.01", .who = "A. Rossi", .made = "t8"});
         ledger.note(2, 1, {.field = "lining_worn", .text = "0.13", .who = "A. Rossi", .made = "t9"});
+        ledger.note(1, 1, {.field = "lining_worn", .text = "0.13", .who = "B", .made = "t9"});
+        ledger.note(1, 1, {.field = "lining_worn", .text = "none", .who = "B", .made = "t9"});  // it was the other maneuver
         for (const char* const bad : {"31", "1.21", "-0.11", "nan", "a third", "0.31 mm", ""})
             CHECK_THROWS(ledger.note(2, 1, {.field = "lining_worn", .text = bad, .who = "B"}));
         CHECK_THROWS_WITH(ledger.note(2, 1, {.field = "tread_worn", .text = "31", .who = "B"}),

@@ -187,9 +187,12 @@ TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, wit
         enter(ledger, "first", 3, "load lost", 2.5e6, 0.05);
         enter(ledger, "first", 3, "finished", 3.5e6, 0.36);
         enter(ledger, "first", 4, "finished", 4.5e6, 0.35);
+        ledger.note(4, 1, {.field = "lining_worn", .text = "0.4", .who = "Kim", .made = "t"});
     }
     const wear::Campaign read = rig::replay::load_campaign(folder.path(), "");
     CHECK(read.disc == "D8");
     CHECK(read.points == std::vector<wear::Point>{{1.5e6, 0.36}, {2.5e6, 0.35}});
+    CHECK(read.readings.empty());  // the lining has worn on both discs, the energy is that of one
+    CHECK_THAT(read.source, ContainsSubstring("readings of the lining left out: another disc has worn it, too"));
     CHECK_THAT(read.source, ContainsSubstring("(brake '', disc 'D8'; 2 maneuvers of others left out)"));
 }

@@ -180,6 +180,12 @@ TEST_CASE("the lining's wear is learnt with its scatter, its error and what it h
     CHECK(c.lining.error == Approx(kReadingError).epsilon(0.1));
     // 0.8 of the slope's scatter is that of the offset.
     CHECK(c.lining.with_curve.at(5) == Approx(0.8 * kSlopeScatter * kOffset).epsilon(0.5));
+    // One reading a life, or readings of four lives, do not say how readings err.
+    std::vector<wear::Campaign> few(lives.begin(), lives.begin() + 20);
+    for (wear::Campaign& life : few) life.readings = {life.readings.back()};
+    CHECK(wear::learn_life_curves(few, kLimit).lining == wear::LiningWear{});
+    for (std::size_t k = 0; k < 4; ++k) few[k].readings = lives[k].readings;
+    CHECK(wear::learn_life_curves(few, kLimit).lining == wear::LiningWear{});
     // What friction says is what it says without readings.
     std::vector<wear::Campaign> bare = lives;
     for (wear::Campaign& life : bare) life.readings.clear();

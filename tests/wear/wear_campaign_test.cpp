@@ -65,6 +65,9 @@ TEST_CASE("readings of the lining stand where they were made", "[WEAR-074]") {
     const wear::Campaign c = parse_campaign("data.csv", head + "1,0.3,\n2,0.29,0.31\n3,0.29,\n4,0.28,-0.02\n");
     CHECK(c.readings == std::vector<wear::LiningReading>{{2e6, 0.31}, {4e6, -0.02}});
     CHECK(parse_campaign("data.csv", wear::to_csv(c)) == c);
+    wear::Campaign bare = c;
+    bare.readings.clear();
+    CHECK(wear::data_hash(bare) != wear::data_hash(c));
     CHECK(wear::to_csv(parse_campaign("data.csv", kHead + "1,1,0.3\n2,2,0.29\n")).find("lining") == std::string::npos);
     CHECK_THAT(rejection(head + "1,0.3,\n2,0.29,31\n"),
                ContainsSubstring("data.csv:3: lining_worn: 31 is no worn share") && ContainsSubstring("percent"));
