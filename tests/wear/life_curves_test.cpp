@@ -170,7 +170,7 @@ TEST_CASE("with a known life the filter is the joint normal distribution of all 
     }
 }
 
-TEST_CASE("the lining's wear is learnt with its scatter, its error and what it has to do with friction", "[WEAR-074]") {
+TEST_CASE("the lining's wear is learnt with its scatter, its error and what it has to do with friction", "[WEAR-074][figures]") {
     std::vector<wear::Campaign> lives;
     for (std::uint64_t seed = 0; seed < 60; ++seed) lives.push_back(read_brake(seed).campaign);
     const wear::LifeCurves c = wear::learn_life_curves(lives, kLimit);
@@ -217,7 +217,7 @@ TEST_CASE("a friction and a reading are jointly normal", "[WEAR-074]") {
     CHECK(filter.hypotheses()[0].state.at(0) == Approx(friction - 0.004 + c.covariance.at(0).at(0) / of_friction * 0.004 + gain * off).epsilon(1e-9));
 }
 
-TEST_CASE("readings of the lining tell lives apart that friction does not; without learnt ones they say nothing", "[WEAR-074]") {
+TEST_CASE("readings of the lining tell lives apart that friction does not; without learnt ones they say nothing", "[WEAR-074][figures]") {
     std::vector<wear::Campaign> lives;
     for (std::uint64_t seed = 0; seed < 60; ++seed) lives.push_back(read_brake(seed).campaign);
     const wear::LifeCurves c = wear::learn_life_curves(lives, kLimit);
