@@ -249,7 +249,7 @@ TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes
     CHECK(json.find("\"lining\"") == std::string::npos);
     for (wear::Campaign& c : campaigns)
         for (std::size_t i = 9; i < c.points.size(); i += 10) c.readings.push_back({c.points[i].c_e_J, 0.01 * static_cast<double>(i % 30)});
-    CHECK(wear::learn_population(campaigns, learn).curves.lining == wear::LiningWear{});  // of four nobody learns how they scatter
+    CHECK(wear::learn_life_curves(campaigns, 0.2).lining == wear::LiningWear{});  // of four nobody learns how they scatter
     campaigns.push_back(campaigns.front());
     for (wear::Point& point : campaigns.back().points) point.mean_friction += 0.002;
     const wear::Population read = wear::learn_population(campaigns, learn);
