@@ -78,7 +78,7 @@ Frame frame_of(const wear::Model::Data& d) {
 std::string landings_text(const wear::Forecast& f) {
     const auto text = [](const std::optional<int>& landings) { return landings ? fmt::format("{}", *landings) : std::string("beyond the horizon"); };
     if (f.already_crossed()) return "below the limit already";
-    return fmt::format("landings left: {} (10 %), {} (50 %), {} (90 %)", text(f.landings_left[0]), text(f.landings_left[1]),
+    return fmt::format("landings left (dotted): {} (10 %), {} (50 %), {} (90 %)", text(f.landings_left[0]), text(f.landings_left[1]),
                        text(f.landings_left[2]));
 }
 
@@ -158,7 +158,7 @@ void draw_orders(const wear::Model& model, const std::filesystem::path& png) {
 }
 
 void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, double limit, const std::filesystem::path& png) {
-    Series fan{.name = "mean friction: 50 %, with 10 to 90 %", .colour = pictures::blue, .width = 2.0};
+    Series fan{.name = "friction by the brake filter: 50 %, with 10 to 90 %", .colour = pictures::blue, .width = 2.0};
     for (const wear::FanPoint& p : f.fan) fan.add(p.c_e_J * 1e-6, p.friction[1], p.friction[0], p.friction[2]);
     const double last_MJ = f.fan.empty() ? f.c_e_J * 1e-6 : f.fan.back().c_e_J * 1e-6;
     Chart chart = campaign_chart({std::move(fan), dots(recorded, "recorded", pictures::grey),

@@ -111,6 +111,35 @@ TEST_CASE("a brake whose friction is below the limit has no landing left, of wha
     }
 }
 
+TEST_CASE("a campaign's readings are taken between its maneuvers, and narrow the landings left of either kind of brake", "[WEAR-074]") {
+    REQUIRE(learnt_of_oxidation().curves.lining.lives == 6);
+    for (const Law law : {Law::oxidation, Law::archard}) {
+        CAPTURE(law);
+        wear::arena::Life life = wear::arena::live(law, lives_of(), lives_of().tuning);
+        wear::Campaign& so_far = life.campaign;
+        so_far.points.resize(life.landings() * 7 / 10);
+        std::erase_if(so_far.readings, [&](const wear::LiningReading& r) { return r.c_e_J > so_far.points.back().c_e_J; });
+        wear::LandingsForecast at_once(learnt_of_oxidation()), one_by_one(learnt_of_oxidation()), by_friction(learnt_of_oxidation());
+        at_once.learn(so_far);
+        std::size_t read = 0;
+        for (const wear::Point& point : so_far.points) {
+            one_by_one.learn(point);
+            by_friction.learn(point);
+            if (read < so_far.readings.size() && so_far.readings[read].c_e_J == point.c_e_J) one_by_one.read(so_far.readings[read++]);
+        }
+        CHECK(read == so_far.readings.size());
+        wear::ForecastSettings ask;
+        ask.limit = lives_of().limit;
+        ask.draws = 200;
+        const auto width = [&](const wear::LandingsForecast& brake) {
+            const wear::Forecast f = brake.forecast(lives_of().mix, ask);
+            return f.landings[180] - f.landings[20];
+        };
+        CHECK(at_once.forecast(lives_of().mix, ask).landings == one_by_one.forecast(lives_of().mix, ask).landings);
+        CHECK(width(at_once) < 0.9 * width(by_friction));
+    }
+}
+
 TEST_CASE("two distributions become their mixture", "[WEAR-072]") {
     const std::vector<double> life = ramp(100.0, 1.0), past = ramp(50.0, 4.0);
     CHECK(wear::pooled(life, past, 1.0) == life);
