@@ -51,6 +51,7 @@ def second_bridge(rig, bus, folder):
             ("CAN interface vcan0", [("--plc", "127.0.0.1:1503")]),
             ("Modbus TCP 127.0.0.1:1502, unit 1", [("--can", "vcan1")]))):
         out = folder / f"second{number}"
+        check(first.poll() is None, f"the first has ended: {words(first)}")
         refused(rig.start_bridge(other_interface(rig, out, *place)), f"{what} {holder}", f"records in {folder / 'first'}", "Next: ")
         check(not out.exists(), "the refused one has made a folder")
     free = preflight(rig, folder)["rig free"]
