@@ -16,7 +16,7 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "plant_sim/bench/measure.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/replay/controller_replay.hpp"
 

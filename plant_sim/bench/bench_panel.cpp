@@ -27,7 +27,7 @@
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/percentiles.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
-#include "plant_sim/serve_panel.hpp"
+#include "plant_sim/virtual_rig/serve_panel.hpp"
 #include "rig_bridge/bridge/panel_state.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/rig/scenario.hpp"

@@ -11,7 +11,7 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "plant_sim/bench/measure.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/run_many.hpp"
 
 namespace {

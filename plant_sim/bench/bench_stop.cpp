@@ -18,7 +18,7 @@
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 
 namespace {
 

@@ -18,7 +18,7 @@
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/child.hpp"
 #include "plant_sim/bench/percentiles.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 

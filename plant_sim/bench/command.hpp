@@ -15,7 +15,7 @@
 
 #include "firmware/can/layout.hpp"
 #include "plant_sim/bench/percentiles.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 
 namespace antiskid::bench {
 

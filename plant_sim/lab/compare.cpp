@@ -9,7 +9,7 @@
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 
 namespace plant_sim::lab {

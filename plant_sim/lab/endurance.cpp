@@ -7,10 +7,10 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/brake_options.hpp"
 #include "plant_sim/endurance/endurance_campaign.hpp"
 #include "plant_sim/endurance/table_three.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/scenario/brake_options.hpp"
 
 namespace plant_sim::lab {
 

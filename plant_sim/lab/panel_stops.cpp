@@ -9,7 +9,7 @@
 
 #include "firmware/can/names.hpp"
 #include "firmware/host/settings/json.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/panel/curves.hpp"
 #include "rig_bridge/rig/load_rig.hpp"

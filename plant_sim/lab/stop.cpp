@@ -6,7 +6,7 @@
 #include "firmware/can/candump.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/trajectory.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 
 namespace plant_sim::python {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/margins/cells.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
 #include "plant_sim/study/sweep/sweep_plan.hpp"

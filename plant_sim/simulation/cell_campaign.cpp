@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "firmware/host/seconds.hpp"
-#include "plant_sim/serve_node.hpp"
 #include "plant_sim/simulation/cell_judge.hpp"
 #include "plant_sim/simulation/controller_program.hpp"
 #include "plant_sim/simulation/energy_account.hpp"
@@ -16,6 +15,7 @@
 #include "plant_sim/simulation/recomputed_figures.hpp"
 #include "plant_sim/simulation/simulated_clock.hpp"
 #include "plant_sim/simulation/simulated_line.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 
 namespace plant_sim::simulation {
 

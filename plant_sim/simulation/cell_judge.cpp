@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "firmware/host/seconds.hpp"
-#include "plant_sim/serve_node.hpp"
 #include "plant_sim/simulation/fault_timeline.hpp"
 #include "plant_sim/simulation/faulty_bus.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 #include "rig_bridge/bridge/next_step.hpp"
 #include "rig_bridge/bridge/node.hpp"
 

@@ -9,7 +9,7 @@
 #include "firmware/can/rounded_link.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/control/controller.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "tests/catch.hpp"
 
 using namespace study::margins;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 
 namespace margins_test {
 

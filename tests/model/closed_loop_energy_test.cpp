@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 

@@ -1,7 +1,7 @@
 /// Flywheel mode: rim speed for aircraft speed, the loading device for eq. (2), and the endurance stop of Table III.
 #include <cmath>
 
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"

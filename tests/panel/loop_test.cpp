@@ -1,6 +1,6 @@
 // What a loop hands to its panel: no lock is waited for, and a served rig's loop allocates nothing. [BRG-520]
 #include "plant_sim/plc/load_served_rig.hpp"
-#include "plant_sim/serve_panel.hpp"
+#include "plant_sim/virtual_rig/serve_panel.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 #include "tests/catch.hpp"
 #include "tests/host/traps.hpp"

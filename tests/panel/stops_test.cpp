@@ -4,7 +4,7 @@
 
 #include "firmware/host/settings/json.hpp"
 #include "plant_sim/lab/panel_stops.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 

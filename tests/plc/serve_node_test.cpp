@@ -1,12 +1,12 @@
 /// The served rig on the in-process bus, with a clock that only waiting moves.
-#include "plant_sim/serve_node.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 
 #include <vector>
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
-#include "plant_sim/serve_reporter.hpp"
+#include "plant_sim/virtual_rig/serve_reporter.hpp"
 #include "tests/catch.hpp"
 #include "tests/plc/operator.hpp"
 #include "tests/plc/serve_stand.hpp"

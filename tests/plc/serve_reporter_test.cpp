@@ -1,5 +1,5 @@
 /// What is said of a running node, from another thread than the node's.
-#include "plant_sim/serve_reporter.hpp"
+#include "plant_sim/virtual_rig/serve_reporter.hpp"
 
 #include <mutex>
 #include <stdexcept>

@@ -11,7 +11,7 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/loopback.hpp"
 #include "firmware/can/roles.hpp"
-#include "plant_sim/serve_node.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 #include "tests/catch.hpp"
 #include "tests/plc/operator.hpp"
 

@@ -1,5 +1,5 @@
 // The served rig in lockstep with a bridge that takes turns.
-#include "plant_sim/serve_node.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 /// Which brake a landing is run with, and that it is kept from one to the next.
-#include "plant_sim/brake_options.hpp"
+#include "plant_sim/scenario/brake_options.hpp"
 
 #include "firmware/host/settings/command_line.hpp"
 #include "plant_sim/wear/brake_state.hpp"

@@ -1,5 +1,5 @@
 /// The rig's side of the bus, against the real controller loop's counterpart on the in-process bus.
-#include "plant_sim/rig_node.hpp"
+#include "plant_sim/virtual_rig/rig_node.hpp"
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/loopback.hpp"

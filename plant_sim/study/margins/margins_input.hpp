@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/margins/cells.hpp"
 #include "plant_sim/study/margins/margins_settings.hpp"
 

@@ -1,4 +1,4 @@
-#include "plant_sim/serve_node.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "plant_sim/serve_reporter.hpp"
+#include "plant_sim/virtual_rig/serve_reporter.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "plant_sim/rig_node.hpp"
+#include "plant_sim/virtual_rig/rig_node.hpp"
 
 #include <fmt/core.h>
 

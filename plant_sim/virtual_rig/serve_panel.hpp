@@ -6,7 +6,7 @@
 #include <string>
 
 #include "plant_sim/plc/served_rig.hpp"
-#include "plant_sim/serve_node.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 #include "rig_bridge/panel/live_feed.hpp"
 #include "rig_bridge/panel/server.hpp"
 

@@ -1,4 +1,4 @@
-#include "plant_sim/brake_options.hpp"
+#include "plant_sim/scenario/brake_options.hpp"
 
 #include <fmt/core.h>
 

@@ -8,7 +8,7 @@
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
 #include "firmware/host/settings/config_directory.hpp"
-#include "plant_sim/brake_options.hpp"
+#include "plant_sim/scenario/brake_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/report.hpp"
 #include "plant_sim/study/rig_session.hpp"

@@ -18,11 +18,11 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/rig_node.hpp"
-#include "plant_sim/serve_command.hpp"
-#include "plant_sim/stop_options.hpp"
+#include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/rig_session.hpp"
 #include "plant_sim/study/trajectory.hpp"
+#include "plant_sim/virtual_rig/rig_node.hpp"
+#include "plant_sim/virtual_rig/serve_command.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
 
 namespace {

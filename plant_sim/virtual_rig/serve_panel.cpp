@@ -1,4 +1,4 @@
-#include "plant_sim/serve_panel.hpp"
+#include "plant_sim/virtual_rig/serve_panel.hpp"
 
 #include <fmt/core.h>
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "firmware/host/supervised_can.hpp"
-#include "plant_sim/serve_node.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
 
 namespace plant_sim {
 

@@ -1,4 +1,4 @@
-#include "plant_sim/serve_command.hpp"
+#include "plant_sim/virtual_rig/serve_command.hpp"
 
 #include <fmt/core.h>
 
@@ -26,11 +26,11 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "firmware/host/supervised_can.hpp"
-#include "plant_sim/brake_options.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
-#include "plant_sim/serve_node.hpp"
-#include "plant_sim/serve_panel.hpp"
-#include "plant_sim/serve_reporter.hpp"
+#include "plant_sim/scenario/brake_options.hpp"
+#include "plant_sim/virtual_rig/serve_node.hpp"
+#include "plant_sim/virtual_rig/serve_panel.hpp"
+#include "plant_sim/virtual_rig/serve_reporter.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/modbus/server.hpp"
 #include "rig_bridge/panel/panel_option.hpp"
