@@ -79,15 +79,19 @@ std::uint32_t ServeNode::sync_number() const {
 
 /// Gives the bridge its turn: it reads the present registers and bus, and writes and sends before time advances.
 void ServeNode::await_bridge(const std::atomic<bool>& stop) {
-    constexpr Time kLook{50'000};
+    constexpr Time kFirstLook{50'000}, kLongestLook{500'000};  // a look takes the processor from a bridge that shares it
     const auto every = static_cast<std::uint32_t>(std::max<std::int64_t>(kBridgeStep / period_, 1));
     if (!bridge_.done || sync_number() % every != 0) return;
     std::uint16_t seen = bridge_.done();
     if (seen == silent_at_) return;  // also if there is no bridge
     const std::uint16_t wanted = rig::turn_number(sync_number(), every);
     const Time deadline = clock_.now() + answer_timeout_;
-    for (; seen != wanted && seen != rig::kNoTurns && !stop && clock_.now() < deadline; seen = bridge_.done())
-        clock_.sleep_until(clock_.now() + kLook);
+    Time look = kFirstLook;
+    for (Time now = clock_.now(); seen != wanted && seen != rig::kNoTurns && !stop && now < deadline; now = clock_.now()) {
+        clock_.sleep_until(now + look);
+        look = std::min(2 * look, kLongestLook);
+        seen = bridge_.done();
+    }
     silent_at_ = seen == wanted ? rig::kNoTurns : seen;
 }
 

@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 
-from three_programs import PATIENT, Bus, Rig, check, configuration, eventually, in_guest_memory, ledger_copy, quick_rig, words
+from three_programs import PATIENT, Bus, Rig, check, configuration, eventually, in_guest_memory, ledger_copy, patient_rig, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 LAB = BUILD / "bin/rig-lab"
@@ -28,7 +28,7 @@ def finished(process, seconds=300):
 def landing(folder):
     """[BRG-440] A landing by three programs ends, and its figures are those of the same maneuver in process."""
     scenario = pathlib.Path("config/scenarios/light.toml")
-    rig = Rig(BUILD, folder, scenario, configuration(folder, PATIENT), sync_timeout_ms=3000, answer_timeout_ms=3000)
+    rig = patient_rig(BUILD, folder, scenario, configuration(folder, PATIENT))
     bus = Bus()
     run = rig.bridge("maneuver", folder / "one")
     finished(run)
@@ -66,7 +66,7 @@ def campaign_killed(folder):
     the rig left safe; the same command goes on."""
     draw = random.Random(20261121)
     scenario, config = quick_rig(folder)
-    rig = Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    rig = patient_rig(BUILD, folder, scenario, config)
     bus = Bus()
     out = folder / "campaign"
     kills, planned, before = 0, 2, []

@@ -16,7 +16,7 @@ import time
 import urllib.error
 import urllib.request
 
-from three_programs import Bus, Rig, check, eventually, in_guest_memory, ledger_copy, quick_rig, words
+from three_programs import Bus, check, eventually, in_guest_memory, ledger_copy, patient_rig, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 BRIDGE = BUILD / "bin/rig-bridge"
@@ -48,7 +48,7 @@ def drive_enable(rig):
 
 def the_rig(folder):
     scenario, config = quick_rig(folder)
-    return Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    return patient_rig(BUILD, folder, scenario, config)
 
 
 def aborted_once(rig, bus, run):

@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from three_programs import Bus, Rig, changed, check, eventually, in_guest_memory, quick_rig, words
+from three_programs import Bus, Rig, changed, check, eventually, in_guest_memory, patient_rig, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 BRIDGE = BUILD / "bin/rig-bridge"
@@ -43,7 +43,7 @@ def finished(process, seconds=200):
 def bridge_killed(folder):
     """[BRG-220][BRG-261] A bridge killed late in braking: what it had recorded counts, and the sum is the plant's."""
     scenario, config = quick_rig(folder)
-    rig = Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    rig = patient_rig(BUILD, folder, scenario, config)
     bus = Bus()
     out = folder / "campaign"
     finished(rig.bridge("campaign", out, "--maneuvers", "1"))
@@ -86,7 +86,7 @@ def bridge_killed(folder):
 def rig_restarted(folder):
     """[BRG-200] The rig's node dies in braking and is there again at once, its counters at zero: no joule comes of it."""
     scenario, config = quick_rig(folder)
-    rig = Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    rig = patient_rig(BUILD, folder, scenario, config)
     bus = Bus()
     out = folder / "campaign"
     finished(rig.bridge("campaign", out, "--maneuvers", "1"))

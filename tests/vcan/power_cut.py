@@ -32,9 +32,9 @@ def mount(kind):
 
 
 def rig_of(build, folder):
-    from three_programs import Rig, quick_rig
+    from three_programs import patient_rig, quick_rig
     scenario, config = quick_rig(folder)
-    return Rig(build, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    return patient_rig(build, folder, scenario, config)
 
 
 def inside_until_cut(build, kind):

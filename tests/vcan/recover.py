@@ -11,7 +11,7 @@ import struct
 import sys
 import tempfile
 
-from three_programs import PATIENT, Bus, Rig, check, configuration, eventually, in_guest_memory, ledger_copy, words
+from three_programs import PATIENT, Bus, check, configuration, eventually, in_guest_memory, ledger_copy, patient_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 SCENARIO = pathlib.Path("config/scenarios/light.toml")
@@ -19,7 +19,7 @@ SPEED_MPS, TOLERANCE_MPS = 49.0, 0.05
 
 
 def the_rig(folder):
-    return Rig(BUILD, folder, SCENARIO, configuration(folder, PATIENT), sync_timeout_ms=3000, answer_timeout_ms=3000)
+    return patient_rig(BUILD, folder, SCENARIO, configuration(folder, PATIENT))
 
 
 def outcomes(out):

@@ -19,8 +19,8 @@ def landed(folder, number):
     """Frames and samples without their labels of real time, and the figures."""
     place = folder / f"run{number}"
     place.mkdir()
-    rig = Rig(BUILD, place, SCENARIO, CONFIG, sync_timeout_ms=20000, answer_timeout_ms=10000, together=True)
-    run = rig.bridge("maneuver", place / "one", "--clock", "sync", "--answer-timeout", "10000")
+    rig = Rig(BUILD, place, SCENARIO, CONFIG, sync_timeout_ms=20000, answer_timeout_ms=10000, together=True, bridge_clock="sync")
+    run = rig.bridge("maneuver", place / "one")
     status = run.wait(timeout=250)
     rig.end()
     check(status == 0, f"rig-bridge: {status}\n{words(run)}")

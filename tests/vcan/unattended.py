@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 from strikes import STRIKES, Bench, energies, judge_numbers, replayed_right, sound_ratio
-from three_programs import Rig, check, in_guest_memory, quick_rig, words, write_table
+from three_programs import check, in_guest_memory, patient_rig, quick_rig, words, write_table
 
 PHASES = ("spin_up", "settling", "braking", "retract")
 SOUND = 5            # undisturbed maneuvers to compare with
@@ -92,7 +92,7 @@ class Campaign:
 
 def unattended(options):
     scenario, config = quick_rig(options.out)
-    rig = Rig(options.build, options.out, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    rig = patient_rig(options.build, options.out, scenario, config)
     ratio, sound_J = sound_ratio(rig, options.out, SOUND)
     campaign = Campaign(rig, options)
     campaign.run()

@@ -14,7 +14,7 @@ import tempfile
 import time
 
 from controller_rig import MANEUVER, crc8, pack
-from three_programs import Bus, Rig, check, in_guest_memory, quick_rig, words
+from three_programs import Bus, check, in_guest_memory, patient_rig, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 
@@ -42,7 +42,7 @@ def second_bridge(rig, bus, folder):
     """[BRG-460] It is refused whatever it has in common with the first, and the first one finishes."""
     subprocess.run("ip link add dev vcan1 type vcan && ip link set vcan1 up", shell=True, check=True)
     first = rig.bridge("campaign", folder / "first", "--maneuvers", "2")
-    check(bus.await_phase(("braking",)), "no braking")
+    check(bus.await_phase(("braking",)), f"no braking: {words(first)}")
     hold = [rig.build / "bin/rig-bridge", "pause", folder / "first", "--why", "the others are refused first"]
     subprocess.run(hold, check=True, stdout=subprocess.DEVNULL)
     holder = f"is held by rig-bridge campaign, process {first.pid}, since 2"
@@ -55,7 +55,7 @@ def second_bridge(rig, bus, folder):
         refused(rig.start_bridge(other_interface(rig, out, *place)), f"{what} {holder}", f"records in {folder / 'first'}", "Next: ")
         check(not out.exists(), "the refused one has made a folder")
     free = preflight(rig, folder)["rig free"]
-    check(free["verdict"] == "fail" and holder in free["measured"], free)
+    check(free["verdict"] == "fail" and holder in free["measured"], f"{free}\n{words(first)}")
     # The same names in another network namespace are another rig.
     apart = ["unshare", "--net", "sh", "-c", 'ip link add dev vcan0 type vcan && ip link set vcan0 up && exec "$@"', "apart"]
     check(preflight(rig, folder, *apart)["rig free"]["verdict"] == "pass", "another namespace is held, too")
@@ -69,7 +69,7 @@ def second_bridge(rig, bus, folder):
 def killed(rig, bus, folder):
     """[BRG-460] SIGKILL leaves nothing behind: the next one has the rig at once."""
     first = rig.bridge("maneuver", folder / "killed")
-    check(bus.await_phase(("braking",)), "no braking")
+    check(bus.await_phase(("braking",)), f"no braking: {words(first)}")
     first.kill()
     first.wait()
     again = rig.bridge("maneuver", folder / "again")
@@ -94,7 +94,7 @@ def second_controller(rig, bus, folder):
         await_two(second)
         commit = rig.plc.map["holding"]["commit"]["address"]
         before = rig.plc.client.read_holding_registers(commit, count=1, slave=1).registers
-        refused(rig.bridge("maneuver", folder / "two"), "not started", "only controller: ", " of 0x180", "Next: end one")
+        refused(rig.bridge("maneuver", folder / "two"), "not started", "only controller: ", " of 0x1", "Next: end one")
         check(rig.plc.client.read_holding_registers(commit, count=1, slave=1).registers == before, "the refused one has written to the PLC")
         look = preflight(rig, folder)["only controller"]
         check(look["verdict"] == "fail", look)
@@ -107,7 +107,7 @@ def second_controller(rig, bus, folder):
     # One that comes while the first brakes ends it, wherever the two's counters stand.
     for attempt in range(3):
         run = rig.bridge("maneuver", folder / f"later_{attempt}")
-        check(bus.await_phase(("braking",)), "no braking")
+        check(bus.await_phase(("braking",)), f"no braking: {words(run)}")
         second = start_controller()
         check(run.wait(timeout=120) == 1, words(run))
         second.terminate()
@@ -126,7 +126,7 @@ def named_two(run, out, what):
 def heard_bridge(rig, bus, folder):
     """[BRG-460] A bridge that no lock of this computer knows of: commands that disarm, by hand, with good counters and check values."""
     run = rig.bridge("maneuver", folder / "heard")
-    check(bus.await_phase(("spin_up",)), "no spin-up")
+    check(bus.await_phase(("spin_up",)), f"no spin-up: {words(run)}")
     with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as mouth:
         mouth.bind(("vcan0",))
         for number in range(2000):
@@ -143,7 +143,7 @@ if __name__ == "__main__":
     with tempfile.TemporaryDirectory(**in_guest_memory()) as name:
         place = pathlib.Path(name)
         scenario, config = quick_rig(place)
-        programs = Rig(BUILD, place, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+        programs = patient_rig(BUILD, place, scenario, config)
         ear = Bus()
         for test in (second_bridge, killed, second_controller, heard_bridge):
             test(programs, ear, place)
