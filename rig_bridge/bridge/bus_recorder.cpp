@@ -132,10 +132,11 @@ void BusRecorder::await_turn(const std::function<bool()>& enough) {
         if (lockstep_->due()) break;
         const Time passed = steady_now() - last_turn_;
         if (more || passed < lockstep_->max_wait()) {
-            if (capture_)
+            const Time quiet = more ? Time{} : lockstep_->quiet();
+            if (capture_ && quiet == Time{})
                 (void)capture_->wait(kLook);
             else
-                std::this_thread::sleep_for(kLook);
+                std::this_thread::sleep_for(capture_ ? quiet : kLook);
             continue;
         }
         lockstep_->timed_out(passed);

@@ -41,6 +41,11 @@ class Lockstep {
         return syncs_ == 0 ? kJoined : turn_number(number_, every_);
     }
 
+    /// Time in which the next turn certainly does not come, as the rig is not faster than real time; 0 if that is unknown.
+    [[nodiscard]] Time quiet() const {
+        if (syncs_ == 0 || sync_missing_ || turn_requested_ || due_) return Time{};
+        return static_cast<std::int64_t>(every_ - number_ % every_ - 1) * period_;
+    }
     /// Longest wait for the next turn, by the machine's clock.
     [[nodiscard]] Time max_wait() const {
         constexpr Time kStart{30'000'000'000};
@@ -68,12 +73,14 @@ class Lockstep {
         std::uint32_t passed = syncs_ == 0 ? 1 : (number - number_) & mask;
         if (passed == 0) return;            // the rig repeats its first SYNC until it is answered
         if (passed > mask / 2) passed = 1;  // the rig has restarted its count
+        // A rig that has given this bridge up does not wait: a turn that it missed is due at once, or it would miss each of them.
+        due_ = due_ || (syncs_ > 0 && (turn_requested_ || number / every_ != number_ / every_) && number % every_ != 0);
         now_ += static_cast<std::int64_t>(passed) * period_;
         syncs_ += passed;
         number_ = number;
         sync_missing_ = false;
         turn_requested_ = number % every_ == 0;
-        due_ = turn_requested_ && !controller_answers_;
+        due_ = due_ || (turn_requested_ && !controller_answers_);
     }
 
     const antiskid::can::Layout& layout_;

@@ -46,6 +46,25 @@ TEST_CASE("The bridge's turn is each tenth SYNC, once the controller has answere
     CHECK(b.lockstep.syncs() == 45);
 }
 
+TEST_CASE("Between two turns the bus need not be looked at before the last period", "[BRG-465]") {
+    LockstepBench b;
+    CHECK(b.lockstep.quiet() == 0ms);  // nothing is known of the rig yet
+    for (std::uint32_t number = 0; number <= 3; ++number) b.period(number);
+    CHECK(b.lockstep.quiet() == 0ms);  // its turn
+    (void)b.lockstep.end_turn();
+    CHECK(b.lockstep.quiet() == 6ms);
+    for (std::uint32_t number = 4; number <= 9; ++number) b.period(number);
+    CHECK(b.lockstep.quiet() == 0ms);
+    b.sync(10);
+    CHECK(b.lockstep.quiet() == 0ms);
+    b.answer();
+    CHECK(b.lockstep.due());
+    (void)b.lockstep.end_turn();
+    CHECK(b.lockstep.quiet() == 9ms);
+    b.lockstep.timed_out(100ms);  // no SYNC comes
+    CHECK(b.lockstep.quiet() == 0ms);
+}
+
 TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that starts anew goes on", "[BRG-465]") {
     LockstepBench b;
     b.sync(0);
@@ -56,9 +75,24 @@ TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that sta
     (void)b.lockstep.end_turn();
     b.period(3);
     CHECK(b.lockstep.now() == Time{4ms});
+    CHECK_FALSE(b.lockstep.due());
     b.period(0);
     CHECK(b.lockstep.now() == Time{5ms});
     CHECK(b.lockstep.due());
+}
+
+TEST_CASE("A bridge that was late takes its turn as soon as it can", "[BRG-465]") {
+    LockstepBench b;
+    b.period(0);
+    (void)b.lockstep.end_turn();
+    for (std::uint32_t number = 1; number <= 13; ++number) b.period(number);  // a rig that does not wait
+    CHECK(b.lockstep.due());
+    CHECK(b.lockstep.end_turn() == rig::turn_number(13, 10));
+    b.period(14);
+    CHECK_FALSE(b.lockstep.due());
+    b.period(27);  // the SYNC of the turn itself was lost
+    CHECK(b.lockstep.due());
+    CHECK(b.lockstep.end_turn() == rig::turn_number(20, 10));
 }
 
 TEST_CASE("A controller that is silent is waited for once", "[BRG-465]") {

@@ -14,7 +14,7 @@ import tempfile
 import time
 
 from controller_rig import MANEUVER, crc8, pack
-from three_programs import Bus, check, in_guest_memory, patient_rig, quick_rig, words
+from three_programs import Bus, check, eventually, in_guest_memory, patient_rig, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 
@@ -77,9 +77,14 @@ def killed(rig, bus, folder):
 
 
 def await_two(second):
-    """Until both have said their state for a while."""
-    listening = subprocess.run(["candump", "-n", "60", "-T", "20000", "vcan0,180:7FF"], stdout=subprocess.PIPE, check=True, text=True)
-    check(second.poll() is None and len(listening.stdout.splitlines()) == 60, "the controllers are not heard")
+    """Until each SYNC has two valve commands: a program takes seconds to start where the machine is slow."""
+    def both_answer():
+        heard = subprocess.run(["candump", "-n", "100", "-T", "5000", "vcan0,080:7FF,100:7FF"], stdout=subprocess.PIPE, check=True, text=True)
+        identifiers = [line.split()[1] for line in heard.stdout.splitlines()]
+        return identifiers.count("100") > 1.8 * identifiers.count("080") > 0
+
+    eventually(lambda: both_answer() or second.poll() is not None, "the controllers are not heard")
+    check(second.poll() is None, "the second controller has ended")
 
 
 def start_controller():
