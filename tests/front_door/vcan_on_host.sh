@@ -3,7 +3,7 @@
 source "$(dirname "$0")/harness.bash"
 
 mkdir "$scratch/inner"
-"$rig" vcan --kernel user-mode --timeout 100 -- "$here/vcan_on_host_inside.sh" "$rig" "$scratch/inner" \
+"$rig" vcan --kernel user-mode --timeout 300 -- "$here/vcan_on_host_inside.sh" "$rig" "$scratch/inner" \
     >"$scratch/out" 2>"$scratch/err"
 expect "status of all" $? 0
 expect "standard output" "$(cat "$scratch/out")" "out
