@@ -35,6 +35,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     std::size_t left_out = 0, of_others = 0;
     bool other_disc = false;  // has worn the same lining
     record::DiscEnergy taken;
+    double cumulative_J = 0.0;  // after an attempt without a record, less than one maneuver more
     if (!rows.empty()) {
         out.brake = rows.back().summary.specimen.brake;
         out.disc = rows.back().summary.specimen.disc;
@@ -42,8 +43,9 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     for (const LedgerRow& row : rows) {
         const record::Specimen& parts = row.summary.specimen;
         other_disc = other_disc || (parts.brake == out.brake && parts.disc != out.disc);
-        const double disc_J = row.has_figures ? taken.after(parts, row.summary.cumulative_energy_J) : 0.0;
-        if (row.has_figures && std::isfinite(row.worn.lining) && parts.brake == out.brake && parts.disc == out.disc)
+        if (row.has_figures) cumulative_J = row.summary.cumulative_energy_J;
+        const double disc_J = taken.after(parts, cumulative_J);
+        if (disc_J > 0.0 && std::isfinite(row.worn.lining) && parts.brake == out.brake && parts.disc == out.disc)
             out.readings.push_back({disc_J, row.worn.lining});
         if (row.state != record::RowState::finished) continue;
         if (off == OutOfTolerance::left_out && record::off_conditions(row.summary)) {

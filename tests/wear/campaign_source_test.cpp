@@ -67,9 +67,15 @@ TEST_CASE("a ledger is a campaign", "[WEAR-001]") {
         enter(ledger, "first", 3, "finished", 3.4e6, 0.29);
         for (const std::int64_t attempt : {1, 2})
             ledger.note(2, attempt, {.field = "lining_worn", .text = attempt == 1 ? "0.1" : "0.2", .who = "Kim", .made = "t"});
+        (void)ledger.begin(4, "2026-01-01T00:00:00Z");  // the bridge is killed before anything of it is known
+    }
+    {
+        rig::record::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
+        ledger.open_campaign(campaign("first"), rig::record::IfChanged::reject);
+        ledger.note(4, 1, {.field = "lining_worn", .text = "0.3", .who = "Kim", .made = "t"});
     }
     const wear::Campaign by_file = rig::replay::load_campaign(folder / "campaign.sqlite", "");
-    CHECK(by_file.readings == std::vector<wear::LiningReading>{{1.4e6, 0.1}, {2.4e6, 0.2}});
+    CHECK(by_file.readings == std::vector<wear::LiningReading>{{1.4e6, 0.1}, {2.4e6, 0.2}, {3.4e6, 0.3}});
     REQUIRE(by_file.points.size() == 3);
     CHECK(by_file.points[0] == wear::Point{1.0e6, 0.31});
     // The aborted attempt is no point, but what it took is.
