@@ -162,8 +162,11 @@ void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout,
         silent = !answered;
         await_bridge(stop);
         advance();
-        next = std::max(next + period_, clock_.now());
-        clock_.sleep_until(next);
+        next += period_;
+        if (const Time now = clock_.now(); now < next)
+            clock_.sleep_until(next);
+        else
+            next = now;  // not made up for
     }
 }
 

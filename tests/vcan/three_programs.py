@@ -95,24 +95,23 @@ class Bus:
             except OSError:  # the interface is down
                 time.sleep(0.01)
                 continue
-            now = time.monotonic()
             identifier = struct.unpack_from("=I", frame)[0] & 0x7FF
             data = frame[8:]
             if identifier == STATE:
                 phase = PHASES[data[1] >> 4]
                 with self.changed:
                     if phase != self.phase:
-                        self.phase, self.since[phase] = phase, now
+                        self.phase, self.since[phase] = phase, time.monotonic()
                         self.changed.notify_all()
             elif identifier == VALVE:
                 raw = struct.unpack_from("<H", data, 2)[0]
                 if raw == 0 and self.valve_raw != 0:
-                    self.safe_since = now
+                    self.safe_since = time.monotonic()
                 self.valve_raw = raw
             else:
                 pressure = struct.unpack_from("<H", data, 2)[0] * 500.0
                 if pressure < PRESSURE_GONE_PA <= self.pressure_Pa:
-                    self.released_since = now
+                    self.released_since = time.monotonic()
                 self.pressure_Pa = pressure
 
     def await_phase(self, phases, seconds=60.0):
