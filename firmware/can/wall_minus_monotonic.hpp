@@ -14,6 +14,15 @@ namespace antiskid::can {
 class WallMinusMonotonic {
   public:
     ClockReading operator()() {
+        return measured([](clockid_t clock) {
+            timespec now{};
+            clock_gettime(clock, &now);
+            return Time{std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec};
+        });
+    }
+    /// `read`: Time of a clockid_t.
+    template <typename Read>
+    ClockReading measured(const Read& read) {
         ClockReading best{};
         Time narrowest = Time::max();
         for (int attempt = 0; attempt < 3 && narrowest > undisturbed_; ++attempt) {
@@ -29,11 +38,6 @@ class WallMinusMonotonic {
     }
 
   private:
-    [[nodiscard]] static Time read(clockid_t clock) {
-        timespec now{};
-        clock_gettime(clock, &now);
-        return Time{std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec};
-    }
     static constexpr Time kUndisturbed{50'000};
     Time undisturbed_ = kUndisturbed;
 };

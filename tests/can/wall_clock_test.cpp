@@ -1,9 +1,11 @@
 #include "firmware/can/wall_clock_offset.hpp"
+#include "firmware/can/wall_minus_monotonic.hpp"
 #include "tests/catch.hpp"
 
 using antiskid::can::ClockReading;
 using antiskid::can::Time;
 using antiskid::can::WallClockOffset;
+using antiskid::can::WallMinusMonotonic;
 
 namespace {
 
@@ -25,7 +27,44 @@ struct Machine {
     }
 };
 
+/// Clocks of which each reading takes `cost`; the reading with the number `late` takes a millisecond more.
+struct SlowClocks {
+    static constexpr Time kOffset = 1'000'000 * kSecond;
+    WallMinusMonotonic measure{};
+    Time now = kSecond;
+    int reads = 0;
+
+    /// Number of readings that one measurement takes.
+    int readings(Time cost, int late = -1) {
+        reads = 0;
+        const ClockReading out = measure.measured([&](clockid_t clock) {
+            now += cost + (reads++ == late ? kMillisecond : Time{});
+            return clock == CLOCK_REALTIME ? now + kOffset : now;
+        });
+        CHECK(out.monotonic <= now);
+        CHECK(out.monotonic > now - 9 * (cost + kMillisecond));
+        CHECK(out.wall_minus_monotonic >= kOffset - cost);
+        CHECK(out.wall_minus_monotonic <= kOffset + cost);
+        return reads;
+    }
+};
+
 }  // namespace
+
+TEST_CASE("where a reading of a clock is slow, the offset is not measured three times for it", "[CAN-081]") {
+    constexpr Time kMicrosecond{1'000};
+    SlowClocks clocks;
+    CHECK(clocks.readings(25 * kMicrosecond) == 3);
+    CHECK(clocks.readings(25 * kMicrosecond, 1) == 6);  // disturbed: once more
+    CHECK(clocks.readings(60 * kMicrosecond) == 9);     // disturbed, or slow?
+    CHECK(clocks.readings(60 * kMicrosecond) == 3);     // slow
+    CHECK(clocks.readings(60 * kMicrosecond, 2) == 6);
+    CHECK(clocks.readings(120 * kMicrosecond) == 3);
+    CHECK(clocks.readings(60 * kMicrosecond) == 3);
+    CHECK(clocks.readings(121 * kMicrosecond) == 9);
+    CHECK(clocks.readings(10 * kMicrosecond) == 3);  // and fast again
+    CHECK(clocks.readings(26 * kMicrosecond) == 9);
+}
 
 TEST_CASE("frames that wait while the wall clock is set keep their time, whichever way it is set", "[CAN-081]") {
     for (const Time set : {kSecond, -kSecond, 3600 * kSecond, -3600 * kSecond}) {
