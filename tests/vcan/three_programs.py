@@ -135,11 +135,13 @@ class Plc:
             return struct.unpack(">f", struct.pack(">HH", raw, *low))[0]
         return (raw - 65536 if field["type"] == "i16" and raw > 32767 else raw) * field.get("scale", 1.0)
 
+    def bridge_seen(self):
+        """Whether a bridge has moved its watchdog since the rig was started."""
+        return self.client.read_holding_registers(self.map["holding"]["bridge_watchdog"]["address"], count=1, slave=self.map["unit_id"]).registers[0] != 0
+
     def await_bridge(self):
         """Until the PLC has scanned a watchdog of the bridge's that moved."""
-        address = self.map["holding"]["bridge_watchdog"]["address"]
-        eventually(lambda: self.client.read_holding_registers(address, count=1, slave=self.map["unit_id"]).registers[0] != 0,
-                   "the bridge does not move its watchdog")
+        eventually(self.bridge_seen, "the bridge does not move its watchdog")
         before = self.read("plc_watchdog")
         eventually(lambda: (self.read("plc_watchdog") - before) % 65536 >= 2, "the PLC does not scan")
 
