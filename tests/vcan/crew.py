@@ -80,7 +80,7 @@ def aborted_once(rig, bus, run):
 def operator(folder):
     """[BRG-270] [BRG-471] Held between maneuvers, over the death of the bridge, with the drive off; told of an abort; serial
     numbers in every record, and of another disc only when somebody says that he means it."""
-    rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
+    rig, bus, out = the_rig(folder, "timer"), Bus(), folder / "campaign"
     hook, told = folder / "hook.sh", folder / "told"
     hook.write_text(f'#!/bin/sh\nenv | grep "^RIG_" > {told}\n')
     hook.chmod(0o755)
