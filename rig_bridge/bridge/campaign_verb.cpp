@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "rig_bridge/bridge/bridge_panel.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
@@ -152,10 +151,8 @@ class CampaignRun {
         std::optional<Hold> hold;
         bool said = false;
         do {
-            session_.meanwhile([&] {
-                if (said) std::this_thread::sleep_for(kLook);
-                hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
-            });
+            if (said) session_.rest(kLook);
+            session_.meanwhile([&] { hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt; });
             session_.rest_note(hold ? to_text(*hold) : "");
             if (hold && !said)
                 terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold), command_.rig.out.string()));

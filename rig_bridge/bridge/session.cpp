@@ -104,6 +104,11 @@ void Session::tell_panel(const Moment& moment, bool resting) {
     panel_->state(view, moment, now_s);
 }
 
+void Session::rest(Time duration) {
+    const Time begin = step(nullptr, nullptr).now;
+    while (stops_.count() == 0 && node_.moment().now - begin < duration) (void)step(nullptr, nullptr);
+}
+
 void Session::meanwhile(const std::function<void()>& work) {
     meanwhile(work, nullptr, nullptr);
 }

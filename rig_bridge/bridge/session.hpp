@@ -58,6 +58,9 @@ class Session {
     /// Text on the panel between two maneuvers, e.g. who holds the campaign; empty: none.
     void rest_note(std::string note) { rest_note_ = std::move(note); }
 
+    /// Everything is off for that long.
+    void rest(antiskid::can::Time duration);
+
     /// Runs `work` on another thread while the loop continues; rethrows its exception.
     void meanwhile(const std::function<void()>& work);
 

@@ -8,7 +8,6 @@
 
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
-#include "firmware/host/clock.hpp"
 #include "rig_bridge/bridge/senders.hpp"
 
 namespace rig::bridge {
@@ -54,32 +53,34 @@ void check_start(const BridgeSetup& setup, const std::filesystem::path& record) 
         if (check.verdict == antiskid::controller::CheckResult::fail) throw NotFit(checks);
 }
 
-BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length) {
-    constexpr antiskid::can::Time kTurn{20'000'000};
+BusReception listen_to_bus(const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::host::Clock& clock, antiskid::can::Time length) {
     BusReception reception;
-    antiskid::can::Observer observer(setup.layout);
-    DuplicateSenders senders(setup.layout);
-    try {
-        const auto ids = antiskid::can::ids(setup.layout, antiskid::can::kEveryRole);
-        antiskid::can::SocketCan bus(setup.options.interface, ids.span());
-        antiskid::host::MonotonicClock clock;
-        const antiskid::can::Time end = clock.now() + length;
-        std::array<antiskid::can::Frame, antiskid::can::SocketCan::kBatch> frames;
-        for (reception.until = clock.now(); reception.until < end; reception.until = clock.now()) {
-            (void)bus.wait(kTurn);
-            // Once: on a slow machine there may always be one more.
-            for (const antiskid::can::Frame& frame : std::span(frames).first(bus.receive(frames))) {
-                (void)observer.accept(frame);
-                senders.accept(frame);
-            }
+    antiskid::can::Observer observer(layout);
+    DuplicateSenders senders(layout);
+    std::array<antiskid::can::Frame, antiskid::can::SocketCan::kBatch> frames;
+    const antiskid::can::Time end = clock.now() + length;
+    for (reception.until = clock.now(); reception.until < end; reception.until = clock.now()) {
+        for (const antiskid::can::Frame& frame : std::span(frames).first(bus.receive_within(antiskid::can::Bus::kLongestWait, frames))) {
+            (void)observer.accept(frame);
+            senders.accept(frame);
         }
-    } catch (const std::runtime_error& error) {
-        reception.rejection = error.what();
     }
     reception.view = observer.view();
     reception.two_controllers = senders.two_controllers();
     for (const Role role : antiskid::can::kEveryRole) reception.stats[static_cast<std::size_t>(role)] = observer.stats(role);
     return reception;
+}
+
+BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length) {
+    try {
+        antiskid::can::SocketCan bus(setup.options.interface, antiskid::can::ids(setup.layout, antiskid::can::kEveryRole).span());
+        antiskid::host::MonotonicClock clock;
+        return listen_to_bus(setup.layout, bus, clock, length);
+    } catch (const std::runtime_error& error) {
+        BusReception reception;
+        reception.rejection = error.what();
+        return reception;
+    }
 }
 
 }  // namespace rig::bridge

@@ -5,11 +5,16 @@
 #include <stdexcept>
 #include <string>
 
+#include "firmware/can/bus.hpp"
+#include "firmware/host/clock.hpp"
 #include "rig_bridge/bridge/preflight.hpp"
 
 namespace rig::bridge {
 
-/// Listens to the bus for `length`; sends nothing.
+/// Listens for `length`, also where frames come as fast as they are read; sends nothing.
+[[nodiscard]] BusReception listen_to_bus(const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::host::Clock& clock,
+                                         antiskid::can::Time length);
+/// The same on the interface of `setup`.
 [[nodiscard]] BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length);
 
 struct StartFacts {

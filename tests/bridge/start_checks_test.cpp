@@ -1,6 +1,11 @@
 // What of preflight refuses the start of a maneuver or campaign.
 #include "rig_bridge/bridge/start_checks.hpp"
 
+#include <chrono>
+#include <span>
+#include <stdexcept>
+
+#include "tests/bridge/fakes.hpp"
 #include "tests/catch.hpp"
 #include "tests/controller/results.hpp"
 #include "tests/controller/sound_link.hpp"
@@ -18,7 +23,40 @@ struct StartBench {
     rig::bridge::StartFacts facts{.link = controller_test::sound_link(), .machine = {}, .bus = {}};
 };
 
+class Millisecond final : public antiskid::host::Clock {
+  public:
+    antiskid::can::Time now() override { return now_ += std::chrono::milliseconds(1); }
+    void sleep_until(antiskid::can::Time) override {}
+
+  private:
+    antiskid::can::Time now_{};
+};
+
+/// There is always one more frame.
+class EndlessBus final : public antiskid::can::Bus {
+  public:
+    std::size_t receive(std::span<antiskid::can::Frame> frames) override {
+        if (++reads > 1000) throw std::logic_error("read for ever");
+        frames[0] = {.id = 0x191, .length = 8};
+        return 1;
+    }
+    bool send(const antiskid::can::Frame&) override { throw std::logic_error("sends"); }
+    bool wait(antiskid::can::Time) override { return true; }
+    [[nodiscard]] antiskid::can::LinkStatus status() const override { return {}; }
+
+    int reads = 0;
+};
+
 }  // namespace
+
+TEST_CASE("The look at the bus ends in time where frames come as fast as they are read", "[BRG-150]") {
+    const antiskid::can::Layout layout = bridge_test::layout();
+    EndlessBus bus;
+    Millisecond clock;
+    const rig::bridge::BusReception heard = rig::bridge::listen_to_bus(layout, bus, clock, std::chrono::milliseconds(300));
+    CHECK(heard.until == std::chrono::milliseconds(301));
+    CHECK(bus.reads > 200);
+}
 
 TEST_CASE("A start is refused by each cheap check alone, with its next step", "[BRG-150]") {
     StartBench bench;

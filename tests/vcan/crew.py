@@ -64,9 +64,9 @@ def drive_enable(rig):
     return rig.plc.client.read_holding_registers(rig.plc.map["holding"]["drive_enable"]["address"], count=1, slave=rig.plc.map["unit_id"]).registers[0]
 
 
-def the_rig(folder, bridge_clock="sync"):
+def the_rig(folder):
     scenario, config = quick_rig(folder)
-    return patient_rig(BUILD, folder, scenario, config, bridge_clock)
+    return patient_rig(BUILD, folder, scenario, config)
 
 
 def aborted_once(rig, bus, run):
@@ -80,7 +80,7 @@ def aborted_once(rig, bus, run):
 def operator(folder):
     """[BRG-270] [BRG-471] Held between maneuvers, over the death of the bridge, with the drive off; told of an abort; serial
     numbers in every record, and of another disc only when somebody says that he means it."""
-    rig, bus, out = the_rig(folder, "timer"), Bus(), folder / "campaign"
+    rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
     hook, told = folder / "hook.sh", folder / "told"
     hook.write_text(f'#!/bin/sh\nenv | grep "^RIG_" > {told}\n')
     hook.chmod(0o755)
@@ -192,7 +192,7 @@ def watch(folder):
 def panel(folder):
     """[BRG-520] [BRG-522] The page's own way in: twenty look on, one of them reads nothing; a campaign that waits is started, held, let go on and aborted with the token that the
     bridge printed, without which all of it is refused; the campaign goes on by the same command."""
-    rig, bus, out = the_rig(folder, "timer"), Bus(), folder / "campaign"
+    rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
     run = rig.bridge("campaign", out, "--maneuvers", "3", "--held", "--panel", "127.0.0.1:0")
     port, token = re.search(r"127.0.0.1:(\d+)/#token=(\w+)", rig.await_words(run, "#token=")).groups()
     viewers = [socket.create_connection(("127.0.0.1", int(port)), timeout=60) for _ in range(20)]

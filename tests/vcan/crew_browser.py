@@ -29,7 +29,7 @@ def programs(folder, port):
     scenario, config = quick_rig(folder)
     text = changed(scenario.read_text(), speed_mps=40.0).replace("[11.95, 12.05]", "[39.9, 40.1]")
     scenario.write_text(text.replace('"dry_asphalt"', '"snow"'))  # a long braking, and many of them: no press comes too late
-    rig, bus, out = patient_rig(BUILD, folder, scenario, config, "timer"), Bus(), folder / "campaign"
+    rig, bus, out = patient_rig(BUILD, folder, scenario, config), Bus(), folder / "campaign"
     run = rig.bridge("campaign", out, "--maneuvers", "20", "--held", "--panel", f"127.0.0.1:{port}")
     print(re.search(r"http://127.0.0.1:\d+/#token=\w+", rig.await_words(run, "#token=")).group(), flush=True)
     check(run.wait(timeout=300) == 130, words(run))

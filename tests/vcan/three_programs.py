@@ -221,9 +221,9 @@ class Rig:
                 process.wait(timeout=30)
 
 
-def patient_rig(build, folder, scenario, config, bridge_clock="sync"):
+def patient_rig(build, folder, scenario, config):
     """Three programs that wait for each other: a machine that is slow, or stands still for a while, stretches the rig's time."""
-    return Rig(build, folder, scenario, config, sync_timeout_ms=20000, answer_timeout_ms=3000, bridge_clock=bridge_clock)
+    return Rig(build, folder, scenario, config, sync_timeout_ms=20000, answer_timeout_ms=3000, bridge_clock="sync")
 
 
 def words(process):

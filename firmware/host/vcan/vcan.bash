@@ -1,10 +1,23 @@
 # shellcheck shell=bash disable=SC2154,SC2164
 # The verb vcan of the front door, `rig`, whose functions it uses. Its `set -e` holds here, too.
 
+readonly guest_kernel_folder=/usr/local/lib/rig-vcan # known to `run`
+guest_kernel() { # for guests, once; as before without it
+    [[ ! -x $guest_kernel_folder/linux.uml ]] || return 0
+    local as_root=() said
+    [[ $EUID -eq 0 ]] || as_root=(sudo -n)
+    if said=$("${as_root[@]}" "$root/firmware/host/vcan/fetch_kernel" "$guest_kernel_folder" 2>&1); then
+        echo "setup: guests of ./rig vcan run on Linux ${said##*$'\n'} from now on, in $guest_kernel_folder"
+    else
+        echo "setup: no faster kernel for guests of ./rig vcan, Debian's own will do: ${said##*$'\n'}" >&2
+    fi
+}
+
 vcan_help() {
     cat <<'END'
 Runs a command where a real CAN interface vcan0 is up, its own for each run: in network and process namespaces where this
-machine's kernel has vcan, else in a user-mode Linux guest (one virtual CPU on one core) that works on this machine's files.
+machine's kernel has vcan, else in a user-mode Linux guest (one virtual CPU on one core) that works on this machine's files, on the kernel
+that ./rig setup fetched or on Debian's own.
 
   ./rig vcan [--timeout S] [--kernel auto|host|user-mode] [--disk IMAGE] [--port N] -- CMD ARGS...
 
