@@ -153,10 +153,8 @@ class SerialChip:
 
 def chip(_folder):
     """[RT-130]"""
-    for module in ("dev/can-dev.ko", "slcan/slcan.ko"):
-        path = f"/usr/lib/uml/modules/{os.uname().release}/kernel/drivers/net/can/{module}"
-        subprocess.run(["insmod", path] if os.path.exists(path) else ["modprobe", pathlib.Path(path).stem], stderr=subprocess.DEVNULL,
-                       check=False)
+    of_guest = "/run/uml/modprobe"
+    subprocess.run([of_guest if os.path.exists(of_guest) else "modprobe", "slcan"], stderr=subprocess.DEVNULL, check=False)
     try:
         far_end = SerialChip()
     except OSError as refusal:
