@@ -129,4 +129,13 @@ py::tuple Ledger::wear(bool out_of_tolerance) const {
                           column(campaign.points, [](const wear::Point& p) { return p.mean_friction; }));
 }
 
+py::tuple Ledger::lining() const {
+    const wear::Campaign campaign = [&] {
+        const py::gil_scoped_release others_run;
+        return rig::replay::wear_of(rig::record::read_ledger(file_, campaign_));
+    }();
+    return py::make_tuple(column(campaign.readings, [](const wear::LiningReading& r) { return r.c_e_J; }),
+                          column(campaign.readings, [](const wear::LiningReading& r) { return r.worn; }));
+}
+
 }  // namespace plant_sim::python

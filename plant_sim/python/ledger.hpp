@@ -21,6 +21,8 @@ class Ledger {
     [[nodiscard]] pybind11::object data_frame() const;
     /// c_e and mean friction of all maneuvers that `rig-lab wear` uses.
     [[nodiscard]] pybind11::tuple wear(bool out_of_tolerance) const;
+    /// c_e and worn share of the lining at each reading that `rig-lab wear` uses.
+    [[nodiscard]] pybind11::tuple lining() const;
 
   private:
     std::filesystem::path file_;

@@ -133,6 +133,7 @@ void bind_ledger(py::module_& m) {
         .def("rows", &Ledger::rows)
         .def("data_frame", &Ledger::data_frame)
         .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false)
+        .def("lining", &Ledger::lining)
         .def(
             "simulated_wear",
             [](const Ledger& ledger, const py::dict& model, std::uint64_t seed, const Directory& config) {
@@ -165,7 +166,7 @@ void bind_wear(py::module_& m) {
            std::string origin, unsigned threads) {
             wear::FitSettings settings{.max_components = components, .starts = starts, .seed = seed, .em = {}};
             settings.em.covariance_floor = floor;
-            return fit_wear({std::move(energy_J), std::move(friction), std::move(source), std::move(origin)}, settings, threads);
+            return fit_wear({std::move(energy_J), std::move(friction), std::move(source), std::move(origin), {}}, settings, threads);
         },
         py::arg("energy_J"), py::arg("friction"), py::kw_only(), py::arg("components") = fit.max_components, py::arg("starts") = fit.starts,
         py::arg("seed") = fit.seed, py::arg("floor") = fit.em.covariance_floor, py::arg("source") = "arrays", py::arg("origin") = "",
@@ -175,7 +176,7 @@ void bind_wear(py::module_& m) {
         "landings_left",
         [](Numbers energy_J, Numbers friction, const std::filesystem::path& population, std::optional<double> limit, std::string mix, double slip,
            std::optional<double> energy_MJ, std::size_t last, std::string method, int horizon, int draws, std::uint64_t seed,
-           const Directory& config) {
+           const std::pair<Numbers, Numbers>& lining, const Directory& config) {
             const wear::ForecastRequest request{.config = directory_of(config),
                                                 .limit = limit,
                                                 .mix = std::move(mix),
@@ -186,11 +187,13 @@ void bind_wear(py::module_& m) {
                                                 .horizon = horizon,
                                                 .draws = draws,
                                                 .seed = seed};
-            return landings_left({std::move(energy_J), std::move(friction), "arrays", {}}, population, request);
+            return landings_left({std::move(energy_J), std::move(friction), "arrays", {}, readings_of(lining.first, lining.second)}, population,
+                                 request);
         },
         py::arg("energy_J"), py::arg("friction"), py::arg("population"), py::kw_only(), py::arg("limit") = py::none(), py::arg("mix") = ask.mix,
         py::arg("slip") = ask.slip, py::arg("energy_MJ") = py::none(), py::arg("last") = ask.last, py::arg("method") = ask.method,
-        py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("config") = py::none());
+        py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("lining") = std::pair<Numbers, Numbers>(),
+        py::arg("config") = py::none());
 }
 
 void bind_regulator(py::module_& m) {

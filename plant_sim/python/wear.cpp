@@ -26,6 +26,7 @@ wear::Campaign campaign_of(const WearPoints& points) {
     campaign.source = points.source;
     if (!points.origin.empty()) campaign.origin = points.origin;
     for (std::size_t i = 0; i < points.energy_J.size(); ++i) campaign.points.push_back({points.energy_J[i], points.friction[i]});
+    campaign.readings = points.lining;
     wear::check(campaign);
     return campaign;
 }
@@ -35,6 +36,16 @@ py::object loaded(const std::string& json) {
 }
 
 }  // namespace
+
+std::vector<wear::LiningReading> readings_of(const std::vector<double>& energy_J, const std::vector<double>& worn) {
+    if (energy_J.size() != worn.size())
+        throw std::invalid_argument(
+            fmt::format("lining: {} energies and {} worn shares: expected one of each a reading", energy_J.size(), worn.size()));
+    std::vector<wear::LiningReading> readings;
+    readings.reserve(worn.size());
+    for (std::size_t i = 0; i < worn.size(); ++i) readings.push_back({energy_J[i], worn[i]});
+    return readings;
+}
 
 py::object fit_wear(const WearPoints& points, const wear::FitSettings& settings, unsigned threads) {
     const wear::Campaign campaign = campaign_of(points);

@@ -2,9 +2,9 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
 #include <optional>
 
+#include "rig_bridge/replay/campaign_source.hpp"
 #include "rig_bridge/wear/landings_forecast.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 #include "rig_bridge/wear/wear_campaign.hpp"
@@ -13,14 +13,7 @@ namespace rig::bridge {
 
 std::string landings_left(const std::filesystem::path& model, const std::vector<record::LedgerRow>& rows, double min_friction) {
     constexpr std::size_t kNewest = 100;  // whose energies the landings to come have
-    wear::Campaign campaign;
-    double cumulative_J = 0.0;  // after an attempt without a record, less than one maneuver more
-    for (const record::LedgerRow& row : rows) {
-        if (row.has_figures) cumulative_J = row.summary.cumulative_energy_J;
-        if (row.state == record::RowState::finished && !record::off_conditions(row.summary))
-            campaign.points.push_back({row.summary.cumulative_energy_J, row.summary.figures.mean_friction});
-        if (cumulative_J > 0.0 && std::isfinite(row.worn.lining)) campaign.readings.push_back({cumulative_J, row.worn.lining});
-    }
+    const wear::Campaign campaign = replay::wear_of(rows);
     if (campaign.points.size() < 2 || !(min_friction > 0.0)) return {};
     const wear::PopulationFile file = wear::read_population(model);
     wear::LandingsForecast brake(file.population);

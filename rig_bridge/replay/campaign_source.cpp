@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "firmware/host/settings/error.hpp"
-#include "rig_bridge/record/ledger.hpp"
 
 namespace rig::replay {
 
@@ -27,9 +26,38 @@ bool is_sqlite(const std::filesystem::path& path) {
 
 wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::string& wanted, OutOfTolerance off) {
     const std::string name = chosen_campaign(ledger, wanted);
+    wear::Campaign out = wear_of(record::read_ledger(ledger, name), off);
+    out.source = fmt::format("{}, campaign {}{}", ledger.string(), name, out.source);
+    wear::check(out);
+    return out;
+}
+
+std::filesystem::path ledger_in(const std::filesystem::path& directory) {
+    return directory / "campaign.sqlite";
+}
+
+}  // namespace
+
+std::filesystem::path ledger_at(const std::filesystem::path& where) {
+    return std::filesystem::is_directory(where) ? ledger_in(where) : where;
+}
+
+std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
+    const std::vector<record::Campaign> all = record::read_campaigns(ledger);  // in any case: opening a ledger for writing creates a missing one
+    if (!wanted.empty()) return wanted;
+    if (all.size() == 1) return all.front().name;
+    std::string names;
+    for (const record::Campaign& c : all) {
+        names += names.empty() ? "" : ", ";
+        names += c.name;
+    }
+    throw settings::Error(ledger.string(), 0, "",
+                          all.empty() ? std::string("no campaign in this ledger")
+                                      : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
+}
+
+wear::Campaign wear_of(const std::vector<LedgerRow>& rows, OutOfTolerance off) {
     wear::Campaign out;
-    out.source = fmt::format("{}, campaign {}", ledger.string(), name);
-    const std::vector<LedgerRow> rows = record::read_ledger(ledger, name);
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
     std::size_t left_out = 0, of_others = 0;
@@ -66,32 +94,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
         out.source += " (readings of the lining left out: another disc has worn it, too)";
         out.readings.clear();
     }
-    wear::check(out);
     return out;
-}
-
-std::filesystem::path ledger_in(const std::filesystem::path& directory) {
-    return directory / "campaign.sqlite";
-}
-
-}  // namespace
-
-std::filesystem::path ledger_at(const std::filesystem::path& where) {
-    return std::filesystem::is_directory(where) ? ledger_in(where) : where;
-}
-
-std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
-    const std::vector<record::Campaign> all = record::read_campaigns(ledger);  // in any case: opening a ledger for writing creates a missing one
-    if (!wanted.empty()) return wanted;
-    if (all.size() == 1) return all.front().name;
-    std::string names;
-    for (const record::Campaign& c : all) {
-        names += names.empty() ? "" : ", ";
-        names += c.name;
-    }
-    throw settings::Error(ledger.string(), 0, "",
-                          all.empty() ? std::string("no campaign in this ledger")
-                                      : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
 }
 
 wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign, OutOfTolerance off) {

@@ -178,6 +178,7 @@ void check(const Campaign& campaign, unsigned first_line) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         check_point(campaign.source, first_line + static_cast<unsigned>(i), points[i], i == 0 ? nullptr : &points[i - 1]);
     }
+    for (const LiningReading& reading : campaign.readings) check_reading(campaign.source, 0, reading);
     const double mean_step_J = (points.back().c_e_J - points.front().c_e_J) / static_cast<double>(points.size() - 1);
     if (mean_step_J < kMinMeanStep_J)
         throw Error(campaign.source, 0, "cumulative_energy",

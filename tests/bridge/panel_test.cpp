@@ -107,6 +107,7 @@ TEST_CASE("landings left come with their interval, and with what the model was l
     std::vector<rig::record::LedgerRow> rows(40);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].state = rig::record::RowState::finished;
+        rows[i].has_figures = true;
         rows[i].summary.cumulative_energy_J = 0.97e6 * static_cast<double>(i + 1);
         rows[i].summary.figures.mean_friction = 0.300;
     }
@@ -115,6 +116,14 @@ TEST_CASE("landings left come with their interval, and with what the model was l
     CHECK(left.find("10 to 90 %) to mean friction 0.25, by brakes made up by the law of tests/wear/physical_campaign.hpp, 40 lives") !=
           std::string::npos);
     CHECK(landings_left("config/wear/population.json", rows, 0.9).starts_with("none:"));
+    std::vector<rig::record::LedgerRow> of_two_discs(20, rows.front());
+    for (std::size_t i = 0; i < 20; ++i) of_two_discs[i].summary.cumulative_energy_J = 0.97e6 * static_cast<double>(i + 1);
+    for (rig::record::LedgerRow row : rows) {
+        row.summary.cumulative_energy_J += 20 * 0.97e6;
+        row.summary.specimen.disc = "D2";
+        of_two_discs.push_back(row);
+    }
+    CHECK(landings_left("config/wear/population.json", of_two_discs, 0.25) == left);  // the newer disc's landings
     CHECK(landings_left("config/wear/population.json", rows, 0.0).empty());
     rows.resize(1);
     CHECK(landings_left("config/wear/population.json", rows, 0.25).empty());

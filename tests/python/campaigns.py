@@ -39,7 +39,7 @@ def rows(folder):
     assert ledger.campaign == "endurance" and ledger.file == pathlib.Path(folder) / "campaign.sqlite"
     before = ledger.rows()
     said(BRIDGE, "ledger", "amend", folder, "--maneuver", "2", "--energy-MJ", "0.5", "--who", "A", "--why", "encoder")
-    said(BRIDGE, "ledger", "note", folder, "--maneuver", "3", "--tyre", "T9", "--notes", "käfig", "--who", "A")
+    said(BRIDGE, "ledger", "note", folder, "--maneuver", "3", "--tyre", "T9", "--notes", "käfig", "--lining-worn", "0.31", "--who", "A")
     table = ledger.rows()
     stated = json.loads(said(BRIDGE, "status", folder, "--json", "-"))[0]["maneuvers"]
     compared = set(table) & set(stated[0])
@@ -71,6 +71,7 @@ def wear_points(folder):
     table = list(csv.DictReader(said(LAB, "wear", "table", folder, "--csv", "-").splitlines()))
     assert energy_J.tolist() == [float(row["cumulative_energy_J"]) for row in table]
     assert friction.tolist() == [float(row["mean_friction"]) for row in table]
+    assert [column.tolist() for column in antiskid.Ledger(folder).lining()] == [[energy_J[2]], [0.31]]
 
 
 def learnt(folder):
@@ -103,6 +104,36 @@ def learnt(folder):
     refused(RuntimeError, "must increase", lambda: antiskid.fit_wear([2e6, 1e6], [0.3, 0.29]))
     refused(ValueError, "none of shipped", lambda: antiskid.landings_left(energy_J, friction, fleet, limit=0.2, method="best"))
     refused(RuntimeError, "none.json", lambda: antiskid.landings_left(energy_J, friction, "none.json", limit=0.2))
+
+
+def by_readings(folder):
+    """Readings of the lining count as in the verb."""
+    lives = pathlib.Path(folder, "lives")
+    lives.mkdir()
+    draw = numpy.random.default_rng(8)
+    for life_J in (50e6, 54e6, 58e6, 62e6, 66e6, 70e6, 60e6):
+        energy_J = numpy.arange(1e6, life_J, 1e6)
+        friction = 0.33 - 0.14 * energy_J / life_J + 0.004 * draw.normal(size=energy_J.size)
+        rows = [[f"{e}", f"{mu}", f"{e / life_J}" if number % 15 == 14 else ""] for number, (e, mu) in enumerate(zip(energy_J, friction))]
+        text = "cumulative_energy_J,mean_friction,lining_worn\n" + "".join(",".join(row) + "\n" for row in rows)
+        (lives / f"{life_J / 1e6:.0f}.csv").write_text(text)
+    begun = pathlib.Path(folder, "begun.csv")
+    begun.write_text("".join((lives / "60.csv").read_text().splitlines(keepends=True)[:36]))
+    (lives / "60.csv").unlink()
+    said(LAB, "wear", "population", lives, "--limit", "0.2", "--origin", "made up", "--out", lives)
+    population = lives / "population.json"
+    native = json.loads(said(LAB, "wear", "forecast", begun, "--model", population, "--limit", "0.2", "--no-pictures", "--out", folder, "--json", "-"))
+    assert native["lining_readings"] == 2, native
+    table = list(csv.DictReader(begun.read_text().splitlines()))
+    points = [[float(row[name]) for row in table] for name in ("cumulative_energy_J", "mean_friction")]
+    read = [row for row in table if row["lining_worn"]]
+    lining = [[float(row[name]) for row in read] for name in ("cumulative_energy_J", "lining_worn")]
+    answer = antiskid.landings_left(*points, population, limit=0.2, lining=lining)
+    del answer["provenance"]
+    assert answer == native, f"{answer} instead of {native}"
+    assert antiskid.landings_left(*points, population, limit=0.2)["landings_left"] != native["landings_left"]
+    refused(ValueError, "lining: 2 energies and 1 worn", lambda: antiskid.landings_left(*points, population, limit=0.2, lining=(lining[0], [0.2])))
+    refused(RuntimeError, "worn share", lambda: antiskid.landings_left(*points, population, limit=0.2, lining=(lining[0], [0.2, 31.0])))
 
 
 def ran(folder):
@@ -198,6 +229,7 @@ with tempfile.TemporaryDirectory() as directory:
     said(LAB, "endurance", "--maneuvers", "12", "--out", directory)
     rows(directory)
     data_frame(directory)
+    by_readings(directory)
     wear_points(directory)
     what_is_wrong(directory)
     learnt(directory)

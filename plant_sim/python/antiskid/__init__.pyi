@@ -135,12 +135,13 @@ def landings_left(
     horizon: int = 5000,
     draws: int = 2000,
     seed: int = 1,
+    lining: tuple[Sequence[float] | Column, Sequence[float] | Column] = ([], []),
     config: str | PathLike[str] | None = None,
 ) -> dict[str, Any]:
     """Landings until the brake's mean friction is below `limit` (None: where its torque reserve is gone), as `rig-lab wear forecast`: its
     forecast.json with `landings_left` and `crossing_J` at 10, 50 and 90 %, and `provenance`, which says by which brakes. `population`:
     population.json of `rig-lab wear population` or a model of fit_wear(). Landings to come: `mix` such as 'light=0.5,heavy=0.5' held at `slip`, or
-    `energy_MJ` each, or as the newest 100 were."""
+    `energy_MJ` each, or as the newest 100 were. `lining`: cumulative energy in J and worn share at each reading, as Ledger.lining() has them."""
 
 class Ledger:
     """A campaign's ledger, read only: a bridge may be writing it meanwhile, or hold it."""
@@ -160,6 +161,8 @@ class Ledger:
     def wear(self, *, out_of_tolerance: bool = False) -> tuple[Column, Column]:
         """Cumulative energy in J and mean friction of every maneuver that `rig-lab wear fit` learns from: finished, within tolerance, of the newest
         brake and disc."""
+    def lining(self) -> tuple[Column, Column]:
+        """Cumulative energy in J and worn share of the lining (0: new, 1: at its limit) wherever it was read, of the newest brake and disc."""
     def simulated_wear(self, model: dict[str, Any], *, seed: int = 1, config: str | PathLike[str] | None = None) -> tuple[Column, Column]:
         """Fig. 9, as `rig-lab wear simulate --replay torque`: the maneuvers of wear() again on the endurance rig with their recorded torque and
         friction drawn from `model`, a dictionary of fit_wear(). Cumulative energy in J and mean friction. Ctrl-C ends it."""
