@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Which tests have sanitizers: all of them, or the half that a text draws. [DOOR-060]
+"""Which tests have sanitizers: all of them, or the half that a text draws; which of the tests in guests there are. [DOOR-060]
 
 usage: sanitizers_drawn.py FOLDER     the build with the address sanitizer is configured in FOLDER
 """
@@ -13,7 +13,17 @@ from tiers import check, listed
 
 def drawn_by(text, folder):
     output_of(["cmake", "--preset", "asan", "-S", ROOT, "-B", folder, f"-DANTISKID_DRAW={text}"])
-    return listed(folder, "-L", "^inprocess$").keys()
+    return listed(folder, "-L", "^inprocess$").keys(), listed(folder, "-R", "^vcan[.]").keys()
+
+
+def check_guests(every, drawn):
+    """Half of each row of like tests; of the others all."""
+    families = ("bridge_campaign_", "recover_", "energy_", "power_cut_", "peers_", "crew_", "unattended_")
+    for family in families:
+        like, chosen = ({name for name in names if name.startswith(f"vcan.{family}")} for names in (every, drawn))
+        check(f"half of {family}", len(like) >= 2 and chosen < like and len(chosen) == len(like) // 2, chosen)
+    others = {name for name in every if not name.startswith(tuple(f"vcan.{family}" for family in families))}
+    check("all of the others", others and others < drawn, others - drawn)
 
 
 def filters(folder):
@@ -23,11 +33,14 @@ def filters(folder):
 
 def main():
     folder = sys.argv[1]
-    every, one, same, other = (drawn_by(text, folder) for text in ("", "one", "one", "another"))
+    (every, guests), (one, of_one), (same, of_same), (other, of_other) = (drawn_by(text, folder) for text in ("", "one", "one", "another"))
     check("nothing is drawn without a text", len(every) > 100, len(every))
     check("half is, about", one < every and other < every and 0.3 < len(one) / len(every) < 0.7, (len(one), len(every)))
     check("the same text draws the same", one == same)
     check("another draws others", one != other and len(one | other) > len(one))
+    check("in guests, too", of_one == of_same and of_one != of_other)
+    check_guests(guests, of_one)
+    check_guests(guests, of_other)
     # An exclusion alone chooses the hidden cases, too, which take minutes.
     check("cases that hold figures are left out, and hidden ones", filters(folder) == {"~[figures]~[.]"}, filters(folder))
 

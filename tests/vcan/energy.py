@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from three_programs import Bus, Rig, changed, check, eventually, in_guest_memory, patient_rig, quick_rig, words
+from three_programs import PRESSURE_GONE_PA, Bus, Rig, changed, check, eventually, in_guest_memory, patient_rig, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 BRIDGE = BUILD / "bin/rig-bridge"
@@ -52,6 +52,8 @@ def bridge_killed(folder):
     eventually(lambda: rim_mps(rig) < 4.6, "the rim does not slow down", every=0.002)
     run.kill()
     run.wait()
+    # The rig stands still until it has given the bridge up; the next one would hear nothing of it.
+    eventually(lambda: bus.valve_raw == 0 and bus.pressure_Pa < PRESSURE_GONE_PA, "the brake is not released")
     before = status(out)
     check(before["left"] == 1 and before["running"] == 0, f"a dead bridge's maneuver runs: {before}")
     again = rig.bridge("campaign", out, "--maneuvers", "2")
