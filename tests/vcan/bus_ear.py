@@ -36,7 +36,7 @@ class Ear(threading.Thread):
         with self.news:
             self.frames = []
             self.phase, self.state, self.pressure_Pa, self.current_mA, self.faults = None, None, 0.0, 0.0, 0
-            self.syncs, self.first_pressure = 0, None
+            self.syncs, self.marks, self.first_pressure = 0, 0, None
 
     def run(self):
         if self.prompt:
@@ -60,6 +60,8 @@ class Ear(threading.Thread):
     def hear(self, identifier, data):
         if identifier == SYNC:
             self.syncs += 1
+        elif identifier == MARK:
+            self.marks += 1
         elif identifier == VALVE:
             self.current_mA = current_mA(data)
         elif identifier == PRESSURE:
