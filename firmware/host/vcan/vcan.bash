@@ -2,15 +2,20 @@
 # The verb vcan of the front door, `rig`, whose functions it uses. Its `set -e` holds here, too.
 
 readonly guest_kernel_folder=/usr/local/lib/rig-vcan # known to `run`
-guest_kernel() { # for guests, once; as before without it
+guest_kernel() { # for guests, once; kept only if one starts on it
     [[ ! -x $guest_kernel_folder/linux.uml ]] || return 0
-    local as_root=() said
+    local as_root=() said kernel
     [[ $EUID -eq 0 ]] || as_root=(sudo -n)
     if said=$("${as_root[@]}" "$root/firmware/host/vcan/fetch_kernel" "$guest_kernel_folder" 2>&1); then
-        echo "setup: guests of ./rig vcan run on Linux ${said##*$'\n'} from now on, in $guest_kernel_folder"
-    else
-        echo "setup: no faster kernel for guests of ./rig vcan, Debian's own will do: ${said##*$'\n'}" >&2
+        kernel=${said##*$'\n'}
+        said=$("$root/firmware/host/vcan/run" --timeout 20 --kernel user-mode -- uname -r 2>&1) || true
+        if [[ $said == "$kernel" ]]; then
+            echo "setup: guests of ./rig vcan run on Linux $kernel from now on, in $guest_kernel_folder"
+            return
+        fi
+        "${as_root[@]}" rm -rf "$guest_kernel_folder"
     fi
+    echo "setup: no faster kernel for guests of ./rig vcan, Debian's own will do: ${said##*$'\n'}" >&2
 }
 
 vcan_help() {
