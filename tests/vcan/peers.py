@@ -139,7 +139,7 @@ def run(rig, bus, folder, phase, case, number):
 def peers(folder, phase):
     """[BRG-450] Each interlock and each dead peer ends in its own name and in a safe rig."""
     scenario, config = quick_rig(folder, patient=False)
-    rig = Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=1000, bridge_clock="sync")
+    rig = Rig(BUILD, folder, scenario, config)
     bus = Bus()
     rows = []
     for case in cases(rig):
