@@ -53,9 +53,14 @@ class Ear(threading.Thread):
                 if length != LENGTHS.get(identifier, length):  # corrupted
                     continue
                 self.frames.append((identifier, data))
+                before = self.said()
                 self.hear(identifier, data)
-                if identifier != PRESSURE:
+                # Not at each frame: whoever waits would take the processor from the reading, which then is seconds behind.
+                if self.said() != before:
                     self.news.notify_all()
+
+    def said(self):
+        return self.phase, self.state, self.faults, self.first_pressure, self.marks, self.syncs // 10
 
     def hear(self, identifier, data):
         if identifier == SYNC:
