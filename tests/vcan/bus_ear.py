@@ -91,11 +91,8 @@ class Ear(threading.Thread):
     def begin_anew(self):
         """Forgets what was sent until now, also what still waits in the socket: on a busy machine hundreds of periods."""
         self.begun = False
-        for _ in range(6):  # a bus that was disturbed may lose one
-            self.mark(ANEW)
-            if self.until(lambda: self.begun, 10.0):
-                return
-        check(False, f"the ear does not hear its own mark; it is {'alive' if self.is_alive() else 'dead'}")
+        self.mark(ANEW)
+        check(self.until(lambda: self.begun), "the ear does not hear its own mark")
 
 
 def current_mA(data):

@@ -220,7 +220,7 @@ def main():
         scenario.write_text(changed(scenario.read_text(), speed_mps=SPEED_MPS))
         rig = Rig(options.build, folder, scenario, config)
         ear = Ear(SYNC, VALVE, WHEEL, FLYWHEEL, PRESSURE, MANEUVER, STATUS, FAULTS, STATE)
-        phases = Ear(STATE)  # a few frames: on a slow machine the other ear hears what was seconds ago
+        phases = Ear(SYNC, STATE)  # few frames: on a slow machine the other ear hears what was seconds ago
         kinds = ["none", *(options.kind or list(KINDS)[1:])]
         for number, kind in enumerate(kinds, 1):
             sound_m, row = run(rig, ear, phases, folder, kind, number, sound_m)
