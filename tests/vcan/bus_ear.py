@@ -80,8 +80,8 @@ class Ear(threading.Thread):
         elif identifier == STATE and data[1] >> 4 < len(PHASES):  # else corrupted
             self.phase = PHASES[data[1] >> 4]
 
-    def until(self, condition, seconds=60.0):
-        """A bound on hanging, no measurement."""
+    def until(self, condition, seconds=180.0):
+        """A bound on hanging, no measurement: on a slow machine the ear needs half a minute for what a landing has left in its socket."""
         with self.news:
             return self.news.wait_for(condition, seconds)
 
