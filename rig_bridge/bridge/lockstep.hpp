@@ -17,7 +17,8 @@ namespace rig::bridge {
 class Lockstep {
   public:
     using Time = antiskid::can::Time;
-    /// `layout` must outlive it and have a SYNC with a number. `step`: time between two turns; `answer_timeout`: longest wait for an answer.
+    /// `layout` must outlive it and have a SYNC with a number. `step`: time between two turns; `answer_timeout`: longest wait for an answer, also
+    /// that of the rig.
     Lockstep(const antiskid::can::Layout& layout, Time period, Time step, Time answer_timeout)
         : layout_(layout),
           period_(period),
@@ -50,7 +51,8 @@ class Lockstep {
     [[nodiscard]] Time max_wait() const {
         constexpr Time kStart{30'000'000'000};
         if (syncs_ == 0 && !sync_missing_) return kStart;
-        return sync_missing_ ? step_ : answer_timeout_;
+        if (sync_missing_) return step_;
+        return turn_requested_ ? answer_timeout_ : 2 * answer_timeout_;  // a rig that waits for the controller sends no SYNC and is not silent
     }
     /// Call if the wait timed out, `passed` after the last turn.
     void timed_out(Time passed) {

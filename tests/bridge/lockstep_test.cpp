@@ -130,7 +130,16 @@ TEST_CASE("Without SYNC time goes on as the machine's does, and by SYNC again wh
     (void)b.lockstep.end_turn();
     b.period(11);
     CHECK(b.lockstep.now() == Time{115ms});
-    CHECK(b.lockstep.max_wait() == Time{100ms});
+}
+
+TEST_CASE("A rig that waits for a silent controller is not silent itself", "[BRG-465]") {
+    LockstepBench b;
+    b.period(0);
+    (void)b.lockstep.end_turn();
+    b.sync(1);  // not answered: SYNC 2 comes after the rig's own wait
+    CHECK(b.lockstep.max_wait() > Time{100ms});
+    b.sync(2);
+    CHECK(b.lockstep.now() == Time{3ms});  // none of it by the machine's clock
 }
 
 TEST_CASE("A turn has a number that is none of the others'", "[BRG-465]") {

@@ -93,7 +93,7 @@ class Bench:
 
     def __init__(self, build, folder):
         self.scenario, config = quick_rig(folder, patient=False)
-        self.rig = Rig(build, folder, self.scenario, config, sync_timeout_ms=3000, answer_timeout_ms=1000, bridge_clock="sync")
+        self.rig = Rig(build, folder, self.scenario, config)
         self.config, self.build = config, build
         self.out = folder / "campaign"
         self.ear = Ear(SYNC, VALVE, PRESSURE, STATUS, FAULTS, STATE, prompt=True)

@@ -144,11 +144,9 @@ def stop_with_clock_set(rig, bus, own, out, step_s):
             time.clock_settime(time.CLOCK_REALTIME, time.clock_gettime(time.CLOCK_REALTIME) + step_s)
     code = run.wait(timeout=120)
     summary = json.loads((out / "summary.json").read_text())
-    if rig.clock == "timer" and "overrun" in summary["faults"]:
-        return None
-    if rig.clock == "timer" and code != 0:
+    if rig.clock == "timer" and (code != 0 or summary["faults"]):
         time.sleep(1.5)  # until the controller has told of its wake-ups
-        if host_stood_still(log.read_text()[said_before:]) or own.worst_s > 0.05:
+        if "overrun" in summary["faults"] or host_stood_still(log.read_text()[said_before:]) or own.worst_s > 0.05:
             return None
     check(code == 0 and summary["outcome"] == "finished",
           f"clock set by {step_s} s: rig-bridge {code}, woke up to {own.worst_s:.3f} s late\n{words(run)}\n{log.read_text()[-2000:]}")
@@ -162,12 +160,13 @@ def clock(folder, how):
     if how == "timer":  # a host that stands still is not what is tested
         path = config / "controller.toml"
         path.write_text(changed(path.read_text(), sensor_max_age_ms=100.0))
-    rig = Rig(BUILD, folder, scenario, config, clock=how, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    rig = Rig(BUILD, folder, scenario, config, clock=how, answer_timeout_ms=3000)
     bus = Bus()
     own = OwnWakeUps()
     summaries = []
-    for number, step_s in enumerate((0.0, 1.0, 3600.0, -1.0, -3600.0)):
-        for attempt in range(6):
+    steps_s = (0.0, 1.0, 3600.0, -1.0, -3600.0) if how == "sync" else (0.0, 1.0, -3600.0)
+    for number, step_s in enumerate(steps_s):
+        for attempt in range(3):
             out = folder / f"one{number}.{attempt}"
             summary = stop_with_clock_set(rig, bus, own, out, step_s)
             if summary is not None:

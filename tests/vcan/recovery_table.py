@@ -32,7 +32,7 @@ def case(options, strike, phase, ratio):
     with tempfile.TemporaryDirectory(**in_guest_memory()) as name:
         folder = pathlib.Path(name)
         config = configuration(folder, PATIENT)
-        rig = Rig(options.build, folder, options.scenario, config, sync_timeout_ms=3000, answer_timeout_ms=300)
+        rig = Rig(options.build, folder, options.scenario, config)
         bench = Bench(rig, folder / "campaign", "--maneuvers", "1", "--retry", "2")
         met = strike is None or bench.until(lambda: bench.bus.at(1, phase), 300.0)
         if met and strike is not None:

@@ -19,7 +19,7 @@ def landed(folder, number):
     """Frames and samples without their labels of real time, and the figures."""
     place = folder / f"run{number}"
     place.mkdir()
-    rig = Rig(BUILD, place, SCENARIO, CONFIG, sync_timeout_ms=20000, answer_timeout_ms=10000, together=True, bridge_clock="sync")
+    rig = Rig(BUILD, place, SCENARIO, CONFIG, sync_timeout_ms=20000, answer_timeout_ms=10000, together=True)
     run = rig.bridge("maneuver", place / "one")
     status = run.wait(timeout=250)
     rig.end()

@@ -155,7 +155,7 @@ def soak(options):
     scenario, config = quick_rig(options.out)
     brake = config / "landing_gear.toml"
     brake.write_text(changed(brake.read_text(), energy_scale="1.0e6"))  # a brake that wears would stop later and later, as it should
-    rig = Rig(options.build, options.out, scenario, config, clock=options.clock, sync_timeout_ms=3000, answer_timeout_ms=3000)
+    rig = Rig(options.build, options.out, scenario, config, clock=options.clock, answer_timeout_ms=3000)
     bridge = rig.bridge("campaign", options.out / "campaign", "--maneuvers", "1000000", "--retry", "1000",
                         priority=50 if options.clock == "timer" else 0)
     rows = watch(rig, bridge, options)

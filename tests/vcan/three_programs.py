@@ -160,10 +160,10 @@ class Plc:
 class Rig:
     """Controller and virtual rig, started again when they have died; bridges on demand."""
 
-    def __init__(self, build, folder, scenario, config, clock="sync", sync_timeout_ms=300, answer_timeout_ms=100, together=False,
-                 bridge_clock="timer"):
+    def __init__(self, build, folder, scenario, config, clock="sync", sync_timeout_ms=3000, answer_timeout_ms=1000, together=False):
+        """clock: of all three. In lockstep ("sync") a slow machine stretches the rig's time, and who does not answer in time is silent."""
         self.build, self.folder, self.scenario, self.config = build, folder, scenario, config
-        self.clock, self.sync_timeout_ms, self.answer_timeout_ms, self.bridge_clock = clock, sync_timeout_ms, answer_timeout_ms, bridge_clock
+        self.clock, self.sync_timeout_ms, self.answer_timeout_ms = clock, sync_timeout_ms, answer_timeout_ms
         self.together = ["--start-together"] if together else []
         self.controller = self.virtual_rig = self.plc = None
         self.runs = 0
@@ -193,7 +193,7 @@ class Rig:
     def command(self, verb, out, *more):
         if verb in ("maneuver", "campaign"):
             # The rim coasts for minutes.
-            more = ("--leave-turning", "--clock", self.bridge_clock, "--answer-timeout", str(self.answer_timeout_ms), *more)
+            more = ("--leave-turning", "--clock", self.clock, "--answer-timeout", str(self.answer_timeout_ms), *more)
         return [self.build / "bin/rig-bridge", verb, self.scenario, "--can", "vcan0", "--plc", "127.0.0.1:1502", "--config",
                 self.config, "--out", out, *more]
 
@@ -223,7 +223,7 @@ class Rig:
 
 def patient_rig(build, folder, scenario, config):
     """Three programs that wait for each other: a machine that is slow, or stands still for a while, stretches the rig's time."""
-    return Rig(build, folder, scenario, config, sync_timeout_ms=20000, answer_timeout_ms=3000, bridge_clock="sync")
+    return Rig(build, folder, scenario, config, sync_timeout_ms=20000, answer_timeout_ms=3000)
 
 
 def words(process):
