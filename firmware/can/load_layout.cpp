@@ -1,5 +1,6 @@
 #include "firmware/can/load_layout.hpp"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,11 @@ class Loader {
   private:
     void sensors() {
         MessageBinder wheel = bind(Role::wheel, {});
-        layout_.wheel = speed(wheel);
+        layout_.wheel = speed(wheel, required_.wheel);
         MessageBinder flywheel = bind(Role::flywheel, {});
-        layout_.flywheel = speed(flywheel);
+        layout_.flywheel = speed(flywheel, required_.flywheel);
         MessageBinder pressure = bind(Role::pressure, {});
-        layout_.pressure_Pa = pressure.physical("pressure", Quantity::pressure, required_.pressure_Pa);
+        layout_.pressure_Pa = pressure.physical("pressure", Quantity::pressure, {.max = required_.pressure_Pa});
     }
 
     void maneuver() {
@@ -39,10 +40,10 @@ class Loader {
         maneuver.law = binder.code("law", {.min = 2, .max = 8}, kLawNames);
         maneuver.arm = binder.whole("arm", kFlag);
         maneuver.weight_on_wheels = binder.whole("weight_on_wheels", kFlag);
-        maneuver.demand_Pa = binder.physical("demand", Quantity::pressure, required_.pressure_Pa);
+        maneuver.demand_Pa = binder.physical("demand", Quantity::pressure, {.max = required_.pressure_Pa});
         maneuver.slip_reference = binder.physical("slip_reference", Quantity::ratio);
         maneuver.deceleration_mps2 = binder.physical("deceleration", Quantity::acceleration);
-        maneuver.current_mA = binder.physical("current", Quantity::current);
+        maneuver.current_mA = binder.physical("current", Quantity::current, {.max = required_.current_mA});
     }
 
     void rest_of_the_rig() {
@@ -54,9 +55,9 @@ class Loader {
         }
         if (root_.has(name(Role::load_cells))) {
             MessageBinder cells = bind(Role::load_cells, {});
-            layout_.load_cells.vertical_N = cells.physical("vertical", Quantity::force);
-            layout_.load_cells.longitudinal_N = cells.physical("longitudinal", Quantity::force);
-            layout_.load_cells.brake_torque_Nm = cells.physical("brake_torque", Quantity::torque);
+            layout_.load_cells.vertical_N = cells.physical("vertical", Quantity::force, required_.vertical_N);
+            layout_.load_cells.longitudinal_N = cells.physical("longitudinal", Quantity::force, required_.longitudinal_N);
+            layout_.load_cells.brake_torque_Nm = cells.physical("brake_torque", Quantity::torque, required_.brake_torque_Nm);
         }
         if (root_.has(name(Role::maneuver_state))) {
             MessageBinder state = bind(Role::maneuver_state, {});
@@ -68,7 +69,7 @@ class Loader {
 
     void controller() {
         MessageBinder valve = bind(Role::valve, {.crc_required = true});
-        layout_.valve_current_mA = valve.physical("current", Quantity::current, required_.current_mA);
+        layout_.valve_current_mA = valve.physical("current", Quantity::current, {.max = required_.current_mA});
 
         MessageBinder status = bind(Role::status, {});
         layout_.status.state = status.code("state", {.min = 3, .max = 8}, kStateNames);
@@ -116,7 +117,7 @@ class Loader {
         return binder;
     }
 
-    static SpeedSignals speed(MessageBinder& binder) {
+    static SpeedSignals speed(MessageBinder& binder, const RequiredRange::Shaft& required) {
         SpeedSignals signals;
         const bool edges = binder.table().has("edge_count") || binder.table().has("edge_time");
         const bool reported = binder.table().has("speed");
@@ -125,10 +126,13 @@ class Loader {
         }
         if (reported) {
             signals.source = control::SpeedSource::speed;
-            signals.speed_radps = binder.rotation("speed");
+            signals.speed_radps = binder.rotation("speed", required.radps);
         } else {
             signals.source = control::SpeedSource::edges;
             signals.edge_count = binder.whole("edge_count", {.min = 8, .max = 32});
+            if (std::ldexp(1.0, static_cast<int>(signals.edge_count.bits)) <= required.edges)
+                binder.table().fail("edge_count", "rolls over within " + std::to_string(std::llround(required.edges)) +
+                                                      " edges, which this rig's encoder may send between two readings; expected more bits");
             signals.edge_time = binder.clock("edge_time");
         }
         return signals;

@@ -239,32 +239,40 @@ Signal MessageBinder::scaled(const Source& source, double size) const {
     return signal;
 }
 
-Signal MessageBinder::physical(std::string_view key, Quantity quantity, double required) {
-    const Source source = take_physical(key);
-    if (source.unit.quantity != quantity) source.table.fail("unit", "expected one of " + units_of(quantity));
-    const Signal signal = scaled(source, source.unit.factor);
-    const double max = std::max(signal.value(signal.raw_min), signal.value(signal.raw_max));
-    if (max + 0.5 * std::abs(signal.scale) < required) {
-        const auto in_unit = [&](double value) {
-            std::array<char, 32> number{};
-            static_cast<void>(std::snprintf(number.data(), number.size(), "%g ", value / source.unit.factor));
-            return number.data() + source.table.text("unit");
-        };
-        source.table.fail(kSignalKey,
-                          at(*source.signal) + " ends at " + in_unit(max) + ", too narrow for this rig: it must reach " + in_unit(required));
-    }
+Signal MessageBinder::scaled(const Source& source, double size, const RequiredRange::Ends& required) const {
+    const Signal signal = scaled(source, size);
+    const auto [min, max] = std::minmax({signal.value(signal.raw_min), signal.value(signal.raw_max)});
+    const auto in_unit = [&](double value) {
+        std::array<char, 32> number{};
+        static_cast<void>(std::snprintf(number.data(), number.size(), "%g ", value / size));
+        return number.data() + source.table.text("unit");
+    };
+    const auto check = [&](bool reaches, const char* verb, double end, double wanted) {
+        if (!reaches)
+            source.table.fail(kSignalKey, at(*source.signal) + verb + in_unit(end) + ", too narrow for this rig: it must reach " + in_unit(wanted));
+    };
+    const double half = 0.5 * std::abs(signal.scale);
+    check(required.max <= 0.0 || max + half >= required.max, " ends at ", max, required.max);
+    check(required.min >= 0.0 || min - half <= required.min, " begins at ", min, required.min);
     return signal;
 }
 
-Signal MessageBinder::rotation(std::string_view key) {
+Signal MessageBinder::physical(std::string_view key, Quantity quantity, const RequiredRange::Ends& required) {
     const Source source = take_physical(key);
-    if (source.unit.quantity == Quantity::angular_speed) return scaled(source, source.unit.factor);
+    if (source.unit.quantity != quantity) source.table.fail("unit", "expected one of " + units_of(quantity));
+    return scaled(source, source.unit.factor, required);
+}
+
+Signal MessageBinder::rotation(std::string_view key, double required) {
+    const Source source = take_physical(key);
+    const RequiredRange::Ends ends{.max = required};
+    if (source.unit.quantity == Quantity::angular_speed) return scaled(source, source.unit.factor, ends);
     if (source.unit.quantity != Quantity::speed) {
         source.table.fail(
             "unit", "expected one of " + units_of(Quantity::angular_speed) + ", or of " + units_of(Quantity::speed) + " with radius_m of the rim");
     }
     const double radius_m = source.table.number("radius_m", {.min = 0.01, .max = 10.0});
-    return scaled(source, source.unit.factor / radius_m);
+    return scaled(source, source.unit.factor / radius_m, ends);
 }
 
 Signal MessageBinder::clock(std::string_view key) {

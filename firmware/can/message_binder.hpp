@@ -9,6 +9,7 @@
 
 #include "firmware/can/dbc.hpp"
 #include "firmware/can/layout.hpp"
+#include "firmware/can/load_layout.hpp"
 #include "firmware/can/units.hpp"
 #include "firmware/host/settings/settings.hpp"
 
@@ -37,10 +38,11 @@ class MessageBinder {
     /// As whole(); a value table in the DBC must not give a code the name that `names` has for another one.
     [[nodiscard]] Signal code(std::string_view key, const Widths& widths, std::span<const std::string_view> names);
     /// `key = { signal = "SignalName", unit = "bar" }`.
-    /// `required`: a value that the field must be able to represent, in the controller's unit.
-    [[nodiscard]] Signal physical(std::string_view key, Quantity quantity, double required = 0.0);
-    /// An angular speed, given in a unit of angular speed, or in a unit of rim speed together with the rim's `radius_m`.
-    [[nodiscard]] Signal rotation(std::string_view key);
+    /// `required`: values that the field must be able to represent, in the controller's unit.
+    [[nodiscard]] Signal physical(std::string_view key, Quantity quantity, const RequiredRange::Ends& required = {});
+    /// An angular speed, given in a unit of angular speed, or in a unit of rim speed together with the rim's `radius_m`. `required`: rad/s
+    /// that the field must be able to represent.
+    [[nodiscard]] Signal rotation(std::string_view key, double required = 0.0);
     /// The time of an edge: unsigned, rolls over, no offset.
     [[nodiscard]] Signal clock(std::string_view key);
 
@@ -56,6 +58,7 @@ class MessageBinder {
     const DbcSignal& take(const settings::Table& table, std::string_view key, const std::string& name);
     [[nodiscard]] Source take_physical(std::string_view key);
     [[nodiscard]] Signal scaled(const Source& source, double size) const;
+    [[nodiscard]] Signal scaled(const Source& source, double size, const RequiredRange::Ends& required) const;
     [[nodiscard]] std::string at(const DbcSignal& signal) const;
 
     const Dbc& dbc_;

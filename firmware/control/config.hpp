@@ -176,6 +176,7 @@ struct MonitorConfig {
     float plausible_above_mps = 0.0F;    ///< speeds are compared above it
     std::uint16_t overruns = 0;          ///< allowed missed periods in quick succession; ten good periods offset a missed one
     float max_deceleration_mps2 = 0.0F;  ///< largest reference that is accepted
+    float max_current_mA = 0.0F;         ///< largest open-loop current that is accepted
 };
 
 struct Config {

@@ -208,7 +208,7 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (m.received == kNever) return;
     const bool sensible = m.demand_Pa >= 0.0F && m.demand_Pa <= config_.pressure_range_Pa && m.slip_reference >= 0.0F &&
                           m.slip_reference <= kMaxSlipReference && m.deceleration_mps2 >= 0.0F &&
-                          m.deceleration_mps2 <= config_.max_deceleration_mps2 && m.current_mA >= 0.0F && m.current_mA <= 100.0F &&
+                          m.deceleration_mps2 <= config_.max_deceleration_mps2 && m.current_mA >= 0.0F && m.current_mA <= config_.max_current_mA &&
                           static_cast<std::uint8_t>(m.law) < kLawCount;
     if (!sensible) faults.insert(Fault::maneuver_range);
 }

@@ -6,6 +6,7 @@
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/hash.hpp"
 
@@ -32,11 +33,8 @@ void check_layout(const can::Layout& layout, const ClockSource clock, const cont
 
 ControllerSetup load_setup(const Options& options) {
     const control::Config control = antiskid::load_controller_config(options.controller);
-    const control::ValveConfig& valve = control.valve;
-    const can::RequiredRange required{.pressure_Pa = static_cast<double>(valve.full_pressure_Pa),
-                                      .current_mA = static_cast<double>(valve.current_mA.at(valve.points - 1U))};
     ControllerSetup setup{.control = control,
-                          .layout = can::load_layout(options.dbc, options.binding, required),
+                          .layout = can::load_layout(options.dbc, options.binding, required_range(control)),
                           .config_hash = settings::hash(std::array{options.controller, options.dbc, options.binding}),
                           .period = {}};
     // A float second is not exact: 0.001F is 1000000.05 ns.

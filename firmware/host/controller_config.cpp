@@ -30,7 +30,7 @@ void tell_apart(const settings::Table& table, std::initializer_list<std::string_
 }
 
 control::EncoderConfig encoder(const settings::Table& t) {
-    return {.teeth = static_cast<float>(t.integer<int>("teeth", {.min = 1, .max = 1000})),
+    return {.teeth = static_cast<float>(t.integer<int>("teeth", {.min = 1, .max = 10000})),
             .max_speed_radps = number(t, "max_speed_radps", 1.0, 1e4),
             .max_acceleration_radps2 = number(t, "max_acceleration_radps2", 1.0, 1e6),
             .pitch_error = number(t, "pitch_error", 0.0, 0.2)};
@@ -180,6 +180,7 @@ constexpr float kPressureRate = 2.0F;   // of a full step's rate by eq. (6); the
 constexpr float kOverspeed = 3.0F;      // of radius_tolerance
 constexpr float kRejectTimeout = 0.5F;  // of sensor_max_age_ms, as frames that are that late count as lost
 constexpr float kHardest = 2.0F;        // of brake_gain_m3: linings grip 1.3 times that (uncertainty.toml), a carcass swings back by the rest
+constexpr float kCurrent = 1.01F;       // of the valve map's last current: half a step of its field
 constexpr float kFreeSlip = 1.6F;       // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
 }  // namespace derived
 
@@ -211,7 +212,7 @@ control::MonitorConfig monitor(const settings::Table& t, const Config& c, float 
             .heartbeat_max_age_s = milliseconds(t, "heartbeat_max_age_ms", 2.0 * period_ms, 10000.0),
             .implausible_s = derived::kImplausible * max_age_s,
             .stuck_s = stuck_s,
-            .pressure_range_Pa = number(t, "pressure_range_Pa", 1e5, 1e9),
+            .pressure_range_Pa = number(t, "pressure_range_Pa", c.valve.full_pressure_Pa, 1e9),
             .pressure_rate_Paps = derived::kPressureRate * c.valve.natural_frequency_radps * c.valve.full_pressure_Pa,
             .pressure_moves_Pa = derived::kMoves * off_command_Pa,
             .overspeed_share = derived::kOverspeed * c.wheel.radius_tolerance,
@@ -220,7 +221,8 @@ control::MonitorConfig monitor(const settings::Table& t, const Config& c, float 
             .off_command_s = derived::kOffCommand * stuck_s,
             .plausible_above_mps = derived::kPlausible * drop_out_mps,
             .overruns = static_cast<std::uint16_t>(std::lround(derived::kOverruns * max_age_s / c.period_s)),
-            .max_deceleration_mps2 = number(t, "max_deceleration_mps2", 0.1, 100.0)};
+            .max_deceleration_mps2 = number(t, "max_deceleration_mps2", 0.1, 100.0),
+            .max_current_mA = derived::kCurrent * c.valve.current_mA[c.valve.points - 1U]};
 }
 
 }  // namespace

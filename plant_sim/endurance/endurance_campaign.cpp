@@ -6,9 +6,8 @@
 #include <chrono>
 #include <optional>
 
-#include "firmware/can/names.hpp"
-#include "firmware/can/value_names.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "plant_sim/endurance/outcome_summary.hpp"
 #include "plant_sim/endurance/test_cell.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/record/health_watch.hpp"
@@ -66,17 +65,6 @@ rig::record::Summary head(const EnduranceSetup& setup, const CampaignOptions& op
     summary.seed = options.seed;
     summary.version = ANTISKID_VERSION;
     summary.config_hash = configuration(setup, options);
-    return summary;
-}
-
-rig::record::Summary summary_of(const rig::record::Summary& head, const Outcome& outcome, const std::vector<rig::Band>& bands) {
-    rig::record::Summary summary = head;
-    const bool finished = outcome.phase == rig::Phase::finished;
-    summary.outcome = finished ? "finished" : rig::name(outcome.abort);
-    summary.figures = outcome.figures;
-    summary.cumulative_energy_J += outcome.figures.energy_brake_J;
-    summary.faults = antiskid::can::fault_names(outcome.faults);
-    if (finished && !bands.empty()) summary.out_of_tolerance = rig::out_of_tolerance(bands, summary.figures);
     return summary;
 }
 

@@ -142,7 +142,7 @@ Outcome TestCell::run(const rig::Plan& plan, const PeriodObserver& observe) {
         if (outputs.phase == Phase::cool_down && rig_.idle()) cool(plan);
         for (std::int64_t i = 0; i < periods_per_step_; ++i) period(outputs, meter, observe);
     }
-    return {.phase = sequencer.phase(), .abort = sequencer.abort(), .figures = meter.figures(), .faults = faults_};
+    return {.phase = sequencer.phase(), .abort = sequencer.abort(), .figures = meter.figures(), .faults = faults_, .warnings = meter.warnings()};
 }
 
 }  // namespace endurance

@@ -27,6 +27,7 @@ struct Outcome {
     rig::Abort abort = rig::Abort::none;
     rig::record::Figures figures;
     antiskid::control::FaultSet faults;  ///< all that the controller reported
+    std::vector<std::string> warnings;   ///< of the figures
 };
 
 /// One control period: values sent by rig and bridge (load cells and phase included), and the controller's command.

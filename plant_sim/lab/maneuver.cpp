@@ -9,6 +9,7 @@
 #include "firmware/host/settings/input_file.hpp"
 #include "plant_sim/endurance/endurance_setup.hpp"
 #include "plant_sim/endurance/frame_log.hpp"
+#include "plant_sim/endurance/outcome_summary.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
@@ -36,24 +37,22 @@ struct ManeuverCommand {
         endurance::TestCell cell(setup.scenario, setup.controller, setup.layout, setup.machinery, seed);
         const auto period_us = std::llround(static_cast<double>(setup.controller.period_s) * 1e6);
         endurance::FrameLog log(setup.layout, antiskid::control::Time(period_us * 1000), folder / "bus.log");
-        const endurance::Outcome outcome = cell.run(rig::plan(setup.scenario, seed, 1), [&log](const endurance::Period& period) { log.add(period); });
+        const rig::Plan plan = rig::plan(setup.scenario, seed, 1);
+        const endurance::Outcome outcome = cell.run(plan, [&log](const endurance::Period& period) { log.add(period); });
         log.finish();
         rig::record::Summary summary;
         summary.number = 1;
         summary.scenario = setup.scenario.name;
-        const bool finished = outcome.phase == rig::Phase::finished;
-        summary.outcome = finished ? name(outcome.phase) : name(outcome.abort);
         summary.started = "1970-01-01T00:00:00Z";  // the rig's own time
-        summary.cumulative_energy_J = outcome.figures.energy_brake_J;
-        summary.figures = outcome.figures;
         summary.frames = log.frames();
         summary.seed = seed;
         summary.version = ANTISKID_VERSION;
         summary.config_hash = setup.config_hash;
+        summary = endurance::summary_of(summary, outcome, acceptance(setup.scenario, plan));
         rig::record::write_summary(folder / "summary.json", summary);
         settings::deliver(json_file, settings::read_file(folder / "summary.json"));
         print_table(json_file, "{}Written to {}: bus.log, summary.json\n", rig::record::summary_table(summary), folder.string());
-        return finished ? 0 : 1;
+        return outcome.phase == rig::Phase::finished ? 0 : 1;
     }
 };
 

@@ -111,9 +111,10 @@ double LandingSites::deviation_J() const {
 LandingSites load_sites(const std::filesystem::path& config) {
     const auto controller = config / "controller.toml";
     const antiskid::LayoutFiles layout(config);
+    const antiskid::control::Config loaded = antiskid::load_controller_config(controller);
     LandingSites s{.sites = {},
-                   .controller = antiskid::load_controller_config(controller),
-                   .layout = layout.load(),
+                   .controller = loaded,
+                   .layout = layout.load(antiskid::required_range(loaded)),
                    .files = {controller, layout.dbc, layout.binding}};
     for (const std::string& surface : rig::surface_names(config)) {
         for (const std::string& maneuver : rig::maneuver_names(config)) {

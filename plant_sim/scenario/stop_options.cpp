@@ -12,6 +12,7 @@
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/drive.hpp"
 #include "plant_sim/wear/brake_state.hpp"
+#include "rig_bridge/rig/same_rig.hpp"
 
 namespace plant_sim {
 
@@ -82,9 +83,12 @@ StopInputs load_scenario(const StopOptions& o) {
     const bool endurance = o.choice.maneuver == rig::kEndurance;
     const auto controller_file = o.controller.empty() ? o.config / (endurance ? "controller_endurance.toml" : "controller.toml") : o.controller;
     const antiskid::LayoutFiles layout(o.config, o.dbc, o.binding);
-    StopInputs s{.plant = rig::load_rig(o.config, o.choice),
-                 .controller = antiskid::load_controller_config(controller_file),
-                 .layout = layout.load(),
+    const rig::LoadedRig plant = rig::load_rig(o.config, o.choice);
+    const antiskid::control::Config controller = antiskid::load_controller_config(controller_file);
+    rig::check_same_rig(plant, controller, controller_file);
+    StopInputs s{.plant = plant,
+                 .controller = controller,
+                 .layout = layout.load(antiskid::required_range(controller)),
                  .session = {},
                  .config_hash = {},
                  .brake = {}};

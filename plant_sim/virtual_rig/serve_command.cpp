@@ -34,6 +34,7 @@
 #include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/modbus/server.hpp"
 #include "rig_bridge/panel/panel_option.hpp"
+#include "rig_bridge/rig/same_rig.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 
 namespace plant_sim {
@@ -149,9 +150,11 @@ std::filesystem::path or_default(const std::filesystem::path& given, const std::
 
 Served load(const Options& o) {
     const rig::Scenario scenario = rig::load_scenario(o.scenario, o.config);
+    const antiskid::control::Config controller = antiskid::load_controller_config(scenario.controller);
+    rig::check_same_rig(scenario.rig, controller, scenario.controller);
     Served s{.plant = scenario.rig,
              .rig = plc::load_served_rig(o.config, scenario.endurance() ? plc::Bench::endurance : plc::Bench::landing),
-             .layout = antiskid::LayoutFiles(o.config, o.dbc, o.binding).load(),
+             .layout = antiskid::LayoutFiles(o.config, o.dbc, o.binding).load(antiskid::required_range(controller)),
              .map = rig::load_register_map(or_default(o.registers, o.config / "registers.toml")),
              .server = server_options(o)};
     if (o.clock == "sync" && !s.layout[antiskid::can::Role::sync].bound)

@@ -8,13 +8,25 @@
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/settings.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
+#include "rig_bridge/rig/check_plan.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/same_rig.hpp"
 
 namespace rig::bridge {
 
 using antiskid::can::Role;
 
 namespace {
+
+/// Figures are counted from the load cells on the bus, which come from the registers.
+antiskid::can::RequiredRange required_range(const antiskid::control::Config& controller, const RegisterMap& map) {
+    antiskid::can::RequiredRange required = antiskid::required_range(controller);
+    const Field& longitudinal = map.field(Measured::longitudinal_force_N);
+    required.vertical_N.max = map.field(Measured::vertical_load_N).max;
+    required.longitudinal_N = {.min = longitudinal.min, .max = longitudinal.max};
+    required.brake_torque_Nm.max = map.field(Measured::brake_torque_Nm).max;
+    return required;
+}
 
 Freshness load_freshness(const std::filesystem::path& file, const RegisterMap& map) {
     const settings::Document doc = settings::Document::load(file);
@@ -40,16 +52,19 @@ BridgeSetup load_setup(const RigOptions& o, const std::vector<std::filesystem::p
     record::check_texts(o.specimen);
     if (!o.on_abort.empty()) check_hook(o.on_abort);
     const Scenario scenario = load_scenario(o.scenario, o.config);
+    const RegisterMap map = load_register_map(registers);
+    check(scenario.mean, map, registers);
+    const antiskid::control::Config controller = antiskid::load_controller_config(scenario.controller);
+    check_same_rig(scenario.rig, controller, scenario.controller);
     BridgeSetup s{.options = o,
                   .scenario = scenario,
-                  .layout = layout.load({.pressure_Pa = scenario.rig.full_pressure_Pa}),
-                  .map = load_register_map(registers),
+                  .layout = layout.load(required_range(controller, map)),
+                  .map = map,
                   .meter = {},
                   .limits = {},
                   .config_hash = {}};
     if (!s.layout.maneuver.has(static_cast<antiskid::control::Law>(s.scenario.mean.law)))
         throw std::invalid_argument(layout.dbc.string() + ": the law's field is too narrow for the scenario's law");
-    const auto controller = antiskid::load_controller_config(s.scenario.controller);
     s.meter = meter_parameters(s.scenario, controller);
     if (!s.layout[Role::maneuver_state].bound)
         throw std::invalid_argument(layout.binding.string() + ": [maneuver_state] is missing: figures are counted from it, the bridge needs it");

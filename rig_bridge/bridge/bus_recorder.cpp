@@ -1,5 +1,6 @@
 #include "rig_bridge/bridge/bus_recorder.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <utility>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr Time kLook{2'000'000};  // far below the main loop's step; the kernel's queue holds a second
 constexpr Time kHousekeeping{100'000'000};
+constexpr Time kWithoutBus{10'000'000};  // a lockstep without a bus waits for nobody
 
 Time steady_now() {
     return std::chrono::steady_clock::now().time_since_epoch();
@@ -131,7 +133,8 @@ void BusRecorder::await_turn(const std::function<bool()>& enough) {
         const bool more = hear_batch();
         if (lockstep_->due()) break;
         const Time passed = steady_now() - last_turn_;
-        if (more || passed < lockstep_->max_wait()) {
+        const Time longest = capture_ && capture_->up() ? lockstep_->max_wait() : std::min(lockstep_->max_wait(), kWithoutBus);
+        if (more || passed < longest) {
             const Time quiet = more ? Time{} : lockstep_->quiet();
             if (capture_ && quiet == Time{})
                 (void)capture_->wait(kLook);

@@ -53,6 +53,8 @@ class Capture {
     /// For poll() together with other descriptors.
     [[nodiscard]] int descriptor() const { return socket_; }
     /// The size granted by the kernel.
+    /// CaptureStatus::up alone.
+    [[nodiscard]] bool up() const { return status_.up; }
     [[nodiscard]] int receive_buffer_bytes() const;
 
   private:

@@ -16,7 +16,7 @@ constexpr std::array<PlausibleRange, kChannelCount> kRanges{{{-5.0, 600.0, 20.0}
                                                              {-2e4, 6e5, 1e3},
                                                              {-3e5, 3e5, 100.0},
                                                              {-5e3, 5e4, 50.0},
-                                                             {-1.0, 200.0, 3.0},
+                                                             {-1.0, 1000.0, 3.0},
                                                              {-60.0, 2000.0, -60.0}}};
 
 }  // namespace

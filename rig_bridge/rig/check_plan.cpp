@@ -1,8 +1,12 @@
 #include "rig_bridge/rig/check_plan.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <stdexcept>
 #include <string>
+
+#include "firmware/host/settings/error.hpp"
 
 namespace rig {
 
@@ -71,6 +75,19 @@ void check(const Plan& plan) {
     if (plan.load_base_N - plan.load_lift_Ns2pm2 * fastest_mps * fastest_mps <= 0.0)
         reject("load_lift_Ns2pm2", plan.load_lift_Ns2pm2, "a load that stays above zero up to speed_band_mps above the set-point");
     check_current(plan);
+}
+
+void check(const Plan& plan, const RegisterMap& map, const std::filesystem::path& file) {
+    const auto fits = [&](Commanded which, double value) {
+        const Field& field = map.field(which);
+        if (value >= field.min && value <= field.max) return;
+        throw settings::Error(
+            file.string(), 0, "holding." + field.name + ".range",
+            fmt::format("ends at {:g} {}; expected room for the scenario's {:g}", value > field.max ? field.max : field.min, field.unit, value));
+    };
+    fits(Commanded::flywheel_speed_mps, plan.speed_mps * (1.0 + plan.wheel_share) + plan.coasting_mps);
+    fits(Commanded::load_base_N, plan.load_base_N);
+    fits(Commanded::load_lift_Ns2pm2, plan.load_lift_Ns2pm2);
 }
 
 }  // namespace rig

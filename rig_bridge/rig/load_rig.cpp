@@ -89,7 +89,7 @@ std::vector<Maneuver> maneuvers(const std::filesystem::path& path, const std::ve
 }
 
 EncoderParameters encoder(const Table& t) {
-    return {.teeth = static_cast<double>(t.integer("teeth", {.min = 1, .max = 1000})),
+    return {.teeth = static_cast<double>(t.integer("teeth", {.min = 1, .max = 10000})),
             .jitter_s = t.number("jitter_us", {.min = 0.0, .max = 1000.0}) * 1e-6,
             .slowest_edges_hz = t.number("slowest_edges_Hz", {.min = 0.0, .max = 1000.0}),
             .pitch_error = t.find_number("pitch_error", {.min = 0.0, .max = 0.3}).value_or(0.0),

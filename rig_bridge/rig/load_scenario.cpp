@@ -176,6 +176,8 @@ Scenario load_scenario(const std::filesystem::path& file, const std::filesystem:
                .acceptance = {},
                .files = {file, base_file}};
     s.mean.speed_mps = s.rig.rig.brake_on_mps;
+    const rig::EncoderParameters& encoder = s.rig.rig.flywheel_encoder;
+    s.mean.encoder_blind_mps = 2.0 * std::numbers::pi * s.rig.rig.flywheel_radius_m * encoder.slowest_edges_hz / encoder.teeth;
     s.mean.load_base_N = s.rig.rig.load.base_N;
     s.mean.load_lift_Ns2pm2 = s.rig.rig.load.lift_Ns2pm2;
     read_law(root.table("law"), s.rig, s.mean);

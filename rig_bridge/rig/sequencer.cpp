@@ -83,7 +83,8 @@ void Sequencer::compare_speeds(const Inputs& in, double passed_s) {
     constexpr double kSilent_s = 0.03;
     constexpr double kHardest_mps2 = 12.0;  // the friction of dry asphalt, 1.17 g
     if (!plc_heard(in) || !sensors_heard(in) || in.rim_age_s > kSilent_s) return;
-    const double band_mps = plan_.speed_band_mps + kHardest_mps2 * in.flywheel_age_s;
+    const double unseen_mps = in.rim_mps < plan_.encoder_blind_mps ? plan_.encoder_blind_mps : 0.0;
+    const double band_mps = plan_.speed_band_mps + unseen_mps + kHardest_mps2 * in.flywheel_age_s;
     disagreed_s_ = std::abs(in.flywheel_mps - in.rim_mps) <= band_mps ? 0.0 : disagreed_s_ + passed_s;
 }
 

@@ -116,7 +116,8 @@ struct Plan {
     double settle_hold_s = 0.2;
     /// Allowed shortfall of speed at brake-on, excess of rim speed over the largest set-point, and difference between PLC and encoder.
     double speed_band_mps = 2.0;
-    double mismatch_s = 0.5;  ///< how long PLC and encoder may differ by more, because readings are delayed by the link
+    double encoder_blind_mps = 0.0;  ///< below this rim speed the flywheel's encoder may show none: its pick-up needs a rate of edges
+    double mismatch_s = 0.5;         ///< how long PLC and encoder may differ by more, because readings are delayed by the link
     double standstill_mps = 0.1;
     double sledge_back_m = 0.01;       ///< retracted is below this
     double pressure_gone_Pa = 0.5e6;   ///< released is below this

@@ -108,6 +108,20 @@ TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[
     CHECK_THROWS_WITH(rig::bridge::load_setup(options), ContainsSubstring("foreign.dbc: the law's field is too narrow"));
 }
 
+TEST_CASE("Load cells that read more than the bus can carry are refused, not saturated", "[BRG-120]") {
+    const TemporaryDirectory directory;
+    rig::bridge::RigOptions options = heavy().rig;
+    options.registers = directory / "registers.toml";
+    const std::string map = content_of("config/registers.toml");
+    put(options.registers,
+        replaced(map, "range = [-5.0e3, 65.5e3]\ncomment = \"vertical load cell", "range = [-5.0e3, 100.0e3]\ncomment = \"vertical load cell"));
+    CHECK_THROWS_WITH(rig::bridge::load_setup(options), ContainsSubstring("antiskid_binding.toml") &&
+                                                            ContainsSubstring("load_cells.vertical.signal") &&
+                                                            ContainsSubstring("it must reach 100000 N"));
+    put(options.registers, map);
+    CHECK_NOTHROW(rig::bridge::load_setup(options));
+}
+
 TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-465]") {
     const TemporaryDirectory directory;
     rig::bridge::RigOptions options = heavy().rig;

@@ -194,6 +194,25 @@ TEST_CASE("missing tables, unknown tables and missing files are refused by name"
     CHECK_THROWS_AS(load_controller_config("config/no_such_controller.toml"), settings::Error);
 }
 
+TEST_CASE("a pressure range that a full demand leaves is refused", "[CTL-090]") {
+    const File file("config/controller.toml");
+    const Check check{"config/controller.toml", {}};
+    for (const Entry& entry : file.entries)
+        if (entry.key == "pressure_range_Pa") {
+            const settings::Error narrow = check.rejection(file.with(entry.line, "pressure_range_Pa = 20.6e6"));
+            CHECK(narrow.key() == "monitor.pressure_range_Pa");
+            CHECK(narrow.line() == entry.line + 1);
+        }
+}
+
+TEST_CASE("a valve of 200 mA may be commanded 200 mA in the open loop", "[CTL-090]") {
+    const TemporaryDirectory directory;
+    const std::string shipped = content_of("config/controller.toml");
+    const auto file = directory / "controller.toml";
+    put(file, replaced(shipped, "30.0, 35.0, 40.0]", "30.0, 35.0, 200.0]"));
+    CHECK(load_controller_config(file).monitor.max_current_mA == Approx(202.0F));
+}
+
 TEST_CASE("the shipped files load, in SI units", "[CTL-090]") {
     const auto c = load_controller_config("config/controller.toml");
     CHECK(c.period_s == 1e-3F);
@@ -217,6 +236,7 @@ TEST_CASE("the shipped files load, in SI units", "[CTL-090]") {
     CHECK(c.monitor.off_command_s == Approx(0.1F));
     CHECK(c.monitor.plausible_above_mps == Approx(4.5F));
     CHECK(c.monitor.overruns == 50);
+    CHECK(c.monitor.max_current_mA == Approx(1.01F * 40.0F));
     CHECK(c.wheel.hardest_brake == 2.0F);
     CHECK(c.wheel.encoder.reject_timeout_s == 0.01F);
     CHECK(c.flywheel.encoder.reject_timeout_s == 0.01F);

@@ -117,7 +117,8 @@ inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
                  .off_command_s = 0.1F,
                  .plausible_above_mps = 8.0F,
                  .overruns = 10,
-                 .max_deceleration_mps2 = 15.0F};
+                 .max_deceleration_mps2 = 15.0F,
+                 .max_current_mA = 100.0F};
     return c;
 }
 

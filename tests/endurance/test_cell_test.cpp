@@ -1,6 +1,7 @@
 /// Every shipped scenario through sequencer, controller, PLC and plant in one process.
 #include <algorithm>
 
+#include "plant_sim/endurance/outcome_summary.hpp"
 #include "rig_bridge/rig/acceptance.hpp"
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"
@@ -114,4 +115,25 @@ TEST_CASE("the valve's experiments run at standstill", "[BRG-100]") {
     CHECK(still_s > 20.0);
     CHECK(max_mA == Approx(name == "ramp" ? 40.0 : name == "step" ? 36.0 : 22.0).margin(0.1));
     CHECK(min_mA <= 8.0);
+}
+
+TEST_CASE("The summary of a maneuver in process tells its faults, warnings and what is out of tolerance", "[STUDY-070]") {
+    Outcome out;
+    out.phase = Phase::finished;
+    out.figures.length_m = 200.0;
+    out.faults.insert(antiskid::control::Fault::flywheel_stuck);
+    out.warnings = {"energy_unbalanced: by 12 %"};
+    const rig::record::FigureField* length = nullptr;
+    for (const rig::record::FigureField& field : rig::record::kFigureFields)
+        if (std::string_view(field.key) == "length_m") length = &field;
+    REQUIRE(length != nullptr);
+    const rig::record::Summary s = endurance::summary_of({}, out, {{.figure = length, .min = 100.0, .max = 110.0}});
+    CHECK(s.outcome == "finished");
+    CHECK(s.faults == std::vector<std::string>{"flywheel_stuck"});
+    CHECK(s.warnings == out.warnings);
+    REQUIRE(s.out_of_tolerance);
+    CHECK(s.out_of_tolerance->size() == 1);
+    out.phase = Phase::aborted;
+    out.abort = Abort::controller_fault;
+    CHECK(endurance::summary_of({}, out, {}).outcome == "controller_fault");
 }

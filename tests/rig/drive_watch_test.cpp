@@ -96,3 +96,22 @@ TEST_CASE("an old reading of the PLC is no other speed: it may be off by what a 
     for (int i = 0; i < 100; ++i) out = r.next(in);
     CHECK(out.abort == (off_mps < 5.6 ? Abort::none : Abort::speed_mismatch));
 }
+
+TEST_CASE("An encoder whose pick-up needs a rate of edges shows a slow rim as none, which is no other speed", "[BRG-110]") {
+    constexpr double kBlind_mps = 3.9;  // 10 edges a second, 24 teeth, a drum of 1.5 m
+    const auto outcome = [](double flywheel_mps, double blind_mps) {
+        rig::Plan plan = sequencer_test::landing();
+        plan.encoder_blind_mps = blind_mps;
+        Reached r(Phase::spin_up, plan);
+        Inputs in = r.rig.inputs;
+        in.controller_standby = in.controller_armed = false;  // keeps it there
+        in.flywheel_mps = flywheel_mps;
+        in.rim_mps = 0.0;
+        Outputs out;
+        for (int i = 0; i < 100; ++i) out = r.next(in);
+        return out.abort;
+    };
+    CHECK(outcome(3.8, kBlind_mps) == Abort::none);
+    CHECK(outcome(3.8, 0.0) == Abort::speed_mismatch);
+    CHECK(outcome(6.0, kBlind_mps) == Abort::speed_mismatch);  // a dead encoder
+}

@@ -99,11 +99,11 @@ inline constexpr Phase kActive[] = {Phase::spin_up,    Phase::touchdown, Phase::
 
 /// A maneuver that has got into a phase without mishap.
 struct Reached {
-    rig::Sequencer sequencer{landing()};
+    rig::Sequencer sequencer;
     RigModel rig;
     double now_s = 0.0;
 
-    explicit Reached(Phase phase) {
+    explicit Reached(Phase phase, const rig::Plan& plan = landing()) : sequencer(plan) {
         run_to(sequencer, rig, now_s, phase);
         REQUIRE(sequencer.phase() == phase);
     }

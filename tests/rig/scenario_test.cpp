@@ -5,7 +5,10 @@
 #include <cmath>
 #include <set>
 
+#include "firmware/host/controller_config.hpp"
+#include "rig_bridge/rig/check_plan.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/same_rig.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"
 
@@ -203,4 +206,39 @@ TEST_CASE("a scenario on a runway: its file beside the rig's, and no J_mu from w
     CHECK(rig::meter_parameters(shipped("heavy").rig, 1e-3).peak_friction > 1.0);
     CHECK(rejected("heavy", "surface = \"dry_asphalt\"", "surface = \"ice\"\nrunway = \"x.toml\"").key() == "maneuver.runway");
     CHECK(rejected("heavy", "surface = \"dry_asphalt\"", "").key() == "maneuver.surface");
+}
+
+TEST_CASE("Teeth and radius that the controller's file gives otherwise than the rig's are refused: both speeds would scale alike", "[BRG-120]") {
+    const Scenario s = shipped("heavy");
+    const antiskid::control::Config sound = antiskid::load_controller_config(s.controller);
+    CHECK_NOTHROW(rig::check_same_rig(s.rig, sound, s.controller));
+    antiskid::control::Config other = sound;
+    other.wheel.encoder.teeth = 48.0F;
+    CHECK_THAT(rejection_of([&] { rig::check_same_rig(s.rig, other, s.controller); }).what(),
+               ContainsSubstring("controller.toml: wheel.encoder.teeth: is 48; expected 60, as in landing_gear.toml"));
+    other = sound;
+    other.flywheel.encoder.teeth = 61.0F;
+    CHECK(rejection_of([&] { rig::check_same_rig(s.rig, other, s.controller); }).key() == "flywheel.encoder.teeth");
+    other = sound;
+    other.flywheel.radius_m *= 1.01F;
+    CHECK(rejection_of([&] { rig::check_same_rig(s.rig, other, s.controller); }).key() == "flywheel.radius_m");
+}
+
+TEST_CASE("A plan that does not fit into the PLC's registers is refused before anything turns", "[BRG-120]") {
+    const rig::RegisterMap map = rig::load_register_map("config/registers.toml");
+    const rig::Plan plan = shipped("heavy").mean;
+    CHECK_NOTHROW(rig::check(plan, map, "registers.toml"));
+    rig::Plan heavy = plan;
+    heavy.load_base_N = 117.7e3;
+    CHECK_THAT(rejection_of([&] { rig::check(heavy, map, "registers.toml"); }).what(),
+               ContainsSubstring("registers.toml: holding.load_base.range: ends at 100000 N; expected room for the scenario's 117700"));
+    rig::Plan fast = plan;
+    fast.speed_mps = 150.0;
+    CHECK(rejection_of([&] { rig::check(fast, map, "registers.toml"); }).key() == "holding.flywheel_speed.range");
+}
+
+TEST_CASE("The speed below which a pick-up is blind grows with the drum and shrinks with its teeth", "[BRG-120]") {
+    const Scenario s = shipped("heavy");
+    const double turn_m = 2.0 * 3.14159265358979 * s.rig.rig.flywheel_radius_m;
+    CHECK(s.mean.encoder_blind_mps == Approx(turn_m * s.rig.rig.flywheel_encoder.slowest_edges_hz / s.rig.rig.flywheel_encoder.teeth));
 }

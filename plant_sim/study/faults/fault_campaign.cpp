@@ -91,7 +91,7 @@ FaultPlan load_plan(const FaultPlanOptions& options) {
     const antiskid::LayoutFiles layout(options.config);
     FaultPlan plan;
     plan.controller = antiskid::load_controller_config(controller);
-    plan.layout = layout.load();
+    plan.layout = layout.load(antiskid::required_range(plan.controller));
     plan.repetitions = options.repetitions;
     plan.seed = options.seed;
     plan.version = ANTISKID_VERSION;

@@ -146,7 +146,7 @@ RobustPlan load_plan(const RobustPlanOptions& o) {
     const auto controller = or_default(o.controller, "controller.toml");
     // Loaded before: GCC 12 destroys the members of a braced aggregate twice when a later one throws.
     const auto config = antiskid::load_controller_config(controller);
-    const auto layout = antiskid::LayoutFiles(o.config).load();
+    const auto layout = antiskid::LayoutFiles(o.config).load(antiskid::required_range(config));
     RobustPlan plan{.basis = {.uncertainty = load_uncertainty(ranges), .landings = {}, .surfaces = {}},
                     .controller = config,
                     .layout = layout,

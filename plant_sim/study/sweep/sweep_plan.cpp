@@ -86,7 +86,7 @@ SweepPlan load_plan(const SweepPlanOptions& options) {
     plan.threshold = options.threshold;
     plan.seed = options.seed;
     plan.controller = antiskid::load_controller_config(controller);
-    plan.layout = layout.load();
+    plan.layout = layout.load(antiskid::required_range(plan.controller));
     plan.version = ANTISKID_VERSION;
     std::vector<std::filesystem::path> files;
     wear::BrakeWear wear;
