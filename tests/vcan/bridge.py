@@ -128,7 +128,7 @@ def campaign_ends(folder):
     def stops(expected, *more, during=lambda: None, place=out):
         run = rig.bridge("campaign", place, "--maneuvers", "3", *more)
         during()
-        status = run.wait(timeout=120)
+        status = run.wait(timeout=300)
         check(status == expected, f"exit status {status}\n{words(run)}")
         return words(run)
 
@@ -148,7 +148,7 @@ def campaign_ends(folder):
     run = rig.bridge("campaign", out, "--maneuvers", "3")
     check(bus.await_phase(("settling",)), "no settling")
     run.send_signal(signal.SIGINT)
-    check(run.wait(timeout=60) == 130, f"Ctrl-C: {run.returncode} {words(run)}")
+    check(run.wait(timeout=300) == 130, f"Ctrl-C: {run.returncode} {words(run)}")
     check("maneuver 1 was aborted: requested" in words(run), words(run))
     check(bus.valve_raw == 0 and rig.plc.sledge_back(), "the safe end was not awaited")
     # A fault once, with a retry: goes on by itself. Then worn out.
@@ -184,7 +184,7 @@ def campaign_ends(folder):
         subprocess.run(["umount", "-l", small], check=True)
     # Another scenario is another campaign, another seed is refused.
     run = rig.bridge("campaign", out, "--maneuvers", "3", "--seed", "9")
-    check(run.wait(timeout=60) == 2 and "seed" in words(run), f"{run.returncode} {words(run)}")
+    check(run.wait(timeout=300) == 2 and "seed" in words(run), f"{run.returncode} {words(run)}")
     rig.end()
     rows = ledger_copy(out)
     check([row["outcome"] for row in rows if row["state"] == "aborted"][1:] == ["controller_silent", "requested", "drive_fault"], rows)
@@ -197,7 +197,7 @@ def realtime(folder):
     rig = Rig(BUILD, folder, scenario, config, clock="timer")
     bus = Bus()
     run = rig.bridge("maneuver", folder / "one", priority=50)
-    status = run.wait(timeout=120)
+    status = run.wait(timeout=300)
     time.sleep(0.5)
     rig.end()
     print(words(run))

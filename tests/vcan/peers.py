@@ -77,7 +77,7 @@ def run(rig, bus, folder, phase, case, number):
     out = folder / f"run{number}"
     bus.phase = "idle"  # a bridge that was killed never said that it ended
     bridge = rig.bridge("maneuver", out)
-    deadline = time.monotonic() + 120
+    deadline = time.monotonic() + 300
     while not bus.await_phase((phase,), 0.2):
         check(time.monotonic() < deadline, f"no {phase}: {words(bridge)}")
         if bridge.poll() is not None:
@@ -112,7 +112,7 @@ def run(rig, bus, folder, phase, case, number):
     if case.cause.startswith("bridge"):
         eventually(lambda: rig.plc.read("plc_state") == 1, f"{case.cause}: the PLC does not trip")
     elif case.cause == "interface down":
-        time.sleep(0.8)
+        eventually(lambda: "ABORT" in words(bridge), f"{case.cause}: no abort: {words(bridge)}")
     else:
         eventually(lambda: bus.phase in ("aborting", "aborted") or bridge.poll() is not None, f"{case.cause}: no abort: {words(bridge)}")
     if case.undo:

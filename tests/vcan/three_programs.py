@@ -26,7 +26,7 @@ def check(truth, what):
         raise SystemExit(f"FAILED: {what}")
 
 
-def eventually(ask, what, seconds=60.0, every=0.02):
+def eventually(ask, what, seconds=180.0, every=0.02):
     deadline = time.monotonic() + seconds
     while not ask():
         check(time.monotonic() < deadline, what)
@@ -114,7 +114,7 @@ class Bus:
                     self.released_since = time.monotonic()
                 self.pressure_Pa = pressure
 
-    def await_phase(self, phases, seconds=60.0):
+    def await_phase(self, phases, seconds=180.0):
         with self.changed:
             return self.changed.wait_for(lambda: self.phase in phases, seconds)
 
