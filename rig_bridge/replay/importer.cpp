@@ -139,6 +139,7 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
 }
 
 constexpr double kReleased_s = 0.5;
+constexpr double kLatest_s = 8.9e9;  // a log has times up to 9e9 s
 
 class Importer {
   public:
@@ -167,7 +168,7 @@ class Importer {
         row_ = row.row;
         if (!std::isfinite(row.values[0])) return;
         ImportSample sample;
-        sample.time_s = row.values[0] * map_.time.unit.factor * 1e-9;
+        sample.time_s = row.values[0] * map_.time.unit.factor * 1e-9 + shift_s_;
         if (started_ && sample.time_s <= newest_.time_s) {
             const double back_s = newest_.time_s - sample.time_s;
             notes_.add(back_s == 0.0 ? "time_repeated" : "time_reset", row_, fmt::format("by {:g} s", back_s));
@@ -177,10 +178,20 @@ class Importer {
             notes_.add("gap", row_, fmt::format("{:g} s since the row before", sample.time_s - newest_.time_s));
             broken();
         }
+        if (sample.time_s < 0.0 || sample.time_s > kLatest_s) shift(sample);
         for (std::size_t i = 0; i < channels_.size(); ++i) set(row, i, sample);
         newest_ = sample;
         started_ = true;
         follow(sample);
+    }
+
+    /// From here on times begin near 0, because no log can have this one. Whole seconds keep the milliseconds where they were.
+    void shift(ImportSample& sample) {
+        const double by_s = -std::floor(sample.time_s);
+        shift_s_ += by_s;
+        sample.time_s += by_s;
+        notes_.add("time_shifted", row_,
+                   fmt::format("by {:.0f} s from here on, because the times of a log go from 0 to {:g} s", shift_s_, kLatest_s));
     }
 
     /// A cell without a plausible number keeps the channel's last value.
@@ -296,6 +307,7 @@ class Importer {
     std::vector<Channel> channels_;
     std::vector<double> factors_;
     ImportReport report_;
+    double shift_s_ = 0.0;  // from the recording's times to those of the logs
     bool started_ = false;
     bool ready_ = false;  // the pressure has been below brake-on
     std::uint64_t row_ = 0;

@@ -6,6 +6,7 @@
 
 #include "firmware/host/controller_config.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
+#include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/foreign_log.hpp"
@@ -62,9 +63,9 @@ std::string csv_row(const Row& r, double shift_s, double pressure = 1e-5) {
 }
 
 /// Two stops one after the other.
-std::string two_stops(double pressure = 1e-5) {
+std::string two_stops(double pressure = 1e-5, const std::array<double, 2>& shifts_s = {0.0, 30.0}) {
     std::string csv = kHead;
-    for (const double shift_s : {0.0, 30.0})
+    for (const double shift_s : shifts_s)
         for (const Row& row : truth().rows) csv += csv_row(row, shift_s, pressure);
     return csv;
 }
@@ -81,6 +82,15 @@ struct Import {
         rig::replay::ImportNotes notes("r.csv", [this](const std::string& text) { said += text + "\n"; });
         report = rig::replay::import_recording(settings, notes);
         counts = notes.counts();
+    }
+    /// The campaign from its logs.
+    [[nodiscard]] rig::replay::CampaignTable rebuilt() const {
+        const rig::replay::CampaignSources sources{.layout = can_test::ours(),
+                                                   .parameters = [&](const std::string&) { return meter; },
+                                                   .ledger = {},
+                                                   .with_ledger = false,
+                                                   .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
+        return rig::replay::rebuild_campaign(rig::replay::maneuver_folders(out), sources);
     }
     TempDir dir;
     rig::Scenario scenario = rig::load_scenario("config/scenarios/endurance.toml");
@@ -127,12 +137,7 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     CHECK(summary.number == 2);
     CHECK(summary.cumulative_energy_J == import.report.maneuvers[0].figures.energy_brake_J + import.report.maneuvers[1].figures.energy_brake_J);
     // Every verb works on it: the campaign is its own summaries, the plant finds the braking.
-    const rig::replay::CampaignSources sources{.layout = can_test::ours(),
-                                               .parameters = [&](const std::string&) { return import.meter; },
-                                               .ledger = {},
-                                               .with_ledger = false,
-                                               .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
-    CHECK(rig::replay::rebuild_campaign(rig::replay::maneuver_folders(import.out), sources).different() == 0);
+    CHECK(import.rebuilt().different() == 0);
     rig::replay::LogWarnings warnings("bus.log", {});
     rig::replay::LogOptions options;
     options.layout = &can_test::ours();
@@ -145,6 +150,33 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     CHECK_FALSE(warnings.any());
 }
 
+TEST_CASE("times that no log can have, as those before a trigger, give the same maneuvers, and their logs can be read", "[BRG-350]") {
+    const TempDir dir;
+    rig::replay::ImportMap map = example();
+    map.after_s = 0.1;
+    const Import usual(dir.write("r.csv", two_stops()), map);
+    // From below zero across it, back below zero at a reset, and an epoch in milliseconds that is called seconds.
+    for (const std::array<double, 2>& shifts_s :
+         {std::array{-30.0, 0.0}, std::array{0.0, -30.0}, std::array{-1e6, -30.0}, std::array{1e10, 1e10 + 30.0}}) {
+        CAPTURE(shifts_s);
+        const Import import(dir.write("r.csv", two_stops(1e-5, shifts_s)), map);
+        CHECK_THAT(import.said, ContainsSubstring("time_shifted"));
+        CHECK(import.counts.at("time_shifted") >= 1);
+        REQUIRE(import.report.maneuvers.size() == 2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(import.report.maneuvers[i].outcome == "finished");
+            for (const rig::record::FigureField& field : rig::record::kFigureFields) {
+                CAPTURE(field.key);
+                CHECK(import.report.maneuvers[i].figures.*field.value ==
+                      Approx(usual.report.maneuvers[i].figures.*field.value).epsilon(2e-4).margin(1e-6));
+            }
+        }
+        const rig::replay::CampaignTable table = import.rebuilt();
+        CHECK(table.counted() == 2);
+        CHECK(table.different() == 0);
+    }
+}
+
 TEST_CASE("what is said of the specimen at an import is that of every maneuver in it, exports included", "[BRG-270]") {
     const TempDir dir;
     rig::replay::ImportMap map = example();
@@ -154,12 +186,7 @@ TEST_CASE("what is said of the specimen at an import is that of every maneuver i
     const Import import(dir.write("r.csv", two_stops()), map, said);
     REQUIRE(import.report.maneuvers.size() == 2);
     for (const auto& maneuver : import.report.maneuvers) CHECK(rig::record::read_summary(maneuver.folder / "summary.json").specimen == said);
-    const rig::replay::CampaignSources sources{.layout = can_test::ours(),
-                                               .parameters = [&](const std::string&) { return import.meter; },
-                                               .ledger = {},
-                                               .with_ledger = false,
-                                               .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
-    const std::string csv = to_csv(rig::replay::rebuild_campaign(rig::replay::maneuver_folders(import.out), sources));
+    const std::string csv = to_csv(import.rebuilt());
     CHECK_THAT(csv, ContainsSubstring(",B12,D7,T3,S-2026-4,A. Rossi,by night,"));
     // Nothing is written of a text that would not be one line.
     CHECK_THROWS_WITH(Import(dir.write("r.csv", two_stops()), map, {.notes = "two\nlines"}), ContainsSubstring("control character"));
