@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 
 #include "firmware/host/settings/csv_field.hpp"
-#include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
@@ -173,30 +173,6 @@ std::string verdict(const CampaignTable& table) {
                        table.with_ledger ? "summaries and ledger" : "summaries (no ledger)");
 }
 
-const record::LedgerRow* row_of(const std::vector<record::LedgerRow>& rows, const ManeuverFolder& folder) {
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const record::LedgerRow& row) {
-        return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
-    });
-    return found == rows.end() ? nullptr : &*found;
-}
-
-void enter(record::Ledger& ledger, const std::string& campaign, const CampaignRow& row, const record::LedgerRow* old) {
-    std::optional<double> slip_reference;
-    if (old != nullptr) slip_reference = old->slip_reference;
-    // An attempt without a folder never had one, or lost it: nothing is known of it.
-    while (ledger.begin(row.folder.number, row.summary.started, slip_reference, row.summary.specimen).attempt < row.folder.attempt)
-        ledger.mark_unfinished();
-    if (!row.ended) {
-        ledger.mark_unfinished(row.counted ? std::optional(row.summary) : std::nullopt);
-        return;
-    }
-    record::Summary summary = row.summary;
-    summary.campaign = campaign;
-    summary.cumulative_energy_J = ledger.cumulative_energy_J() + record::counted_energy_J(summary);
-    ledger.finish(summary);
-    if (old != nullptr && !old->health.model.empty() && old->state == record::RowState::finished) ledger.judge(row.folder.number, old->health);
-}
-
 }  // namespace
 
 std::vector<ManeuverFolder> maneuver_folders(const fs::path& campaign) {
@@ -207,6 +183,12 @@ std::vector<ManeuverFolder> maneuver_folders(const fs::path& campaign) {
     if (folders.empty()) throw std::runtime_error(campaign.string() + ": holds no maneuvers; expected folders 0001, 0002, ...");
     std::sort(folders.begin(), folders.end(),
               [](const ManeuverFolder& a, const ManeuverFolder& b) { return a.number != b.number ? a.number < b.number : a.attempt < b.attempt; });
+    const auto twice = std::adjacent_find(folders.begin(), folders.end(), [](const ManeuverFolder& a, const ManeuverFolder& b) {
+        return a.number == b.number && a.attempt == b.attempt;
+    });
+    if (twice != folders.end())
+        throw std::runtime_error(fmt::format("{} and {} are both maneuver {}, attempt {}: keep one of them under {}", twice->path.string(),
+                                             std::next(twice)->path.string(), twice->number, twice->attempt, campaign.string()));
     return folders;
 }
 
@@ -287,20 +269,6 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
                               {"lines", table.lines},
                               {"rows", rows}};
     return settings::json_page(root);
-}
-
-void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,
-                  const std::vector<record::LedgerRow>& old) {
-    if (std::filesystem::exists(file)) throw settings::Error(file.string(), 0, "", "is there already; a rebuilt ledger is a new file");
-    record::Ledger ledger(file);
-    ledger.open_campaign(campaign, record::IfChanged::reject);
-    for (const CampaignRow& row : table.rows)
-        if (const record::LedgerRow* was = row_of(old, row.folder); row.ended || row.counted || was != nullptr)
-            enter(ledger, campaign.name, row, was);
-    for (const record::LedgerRow& row : old)
-        for (const record::Amendment& amendment : row.amendments) ledger.amend(row.attempt.number, row.attempt.attempt, amendment);
-    for (const record::LedgerRow& row : old)
-        for (const record::Note& note : row.notes) ledger.note(row.attempt.number, row.attempt.attempt, note);
 }
 
 }  // namespace rig::replay

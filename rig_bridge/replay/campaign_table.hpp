@@ -20,7 +20,8 @@ struct ManeuverFolder {
     std::int64_t attempt = 1;
 };
 
-/// The folders NNNN and NNNN.A of `campaign`, by number and attempt. Throws std::runtime_error when there is none.
+/// The folders NNNN and NNNN.A of `campaign`, by number and attempt. Throws std::runtime_error when there is none, or two for the
+/// same attempt (1 and 0001).
 [[nodiscard]] std::vector<ManeuverFolder> maneuver_folders(const std::filesystem::path& campaign);
 
 struct CampaignRow {
@@ -53,7 +54,8 @@ struct CampaignSources {
     std::function<LogWarnings(const std::string& file)> warnings;
 };
 
-/// Writes the campaign to a new ledger beside the folders. Throws settings::Error if `file` exists, and LedgerError.
+/// Writes the campaign to a new ledger beside the folders, with amendments and notes of `old`. Atomic: in FILE.part until it is whole. Throws
+/// settings::Error if `file` exists or cannot be stored, and LedgerError; it is then not there, or whole if only the sync of its directory failed.
 void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,
                   const std::vector<record::LedgerRow>& old);
 

@@ -1,7 +1,9 @@
 // Campaigns of maneuvers known in closed form: the raw logs must give what summaries and ledger say, bit by bit.
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 
 #include "firmware/host/settings/json.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
@@ -50,6 +52,22 @@ class Ran {
             .with_ledger = !ledger.empty(),
             .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
         return rig::replay::rebuild_campaign(rig::replay::maneuver_folders(folder()), sources);
+    }
+
+    [[nodiscard]] std::vector<rig::record::LedgerRow> rows() const { return rig::record::read_ledger(file(), "night"); }
+    [[nodiscard]] std::filesystem::path new_file() const { return file().parent_path() / "rebuilt.sqlite"; }
+    void write(const rig::replay::CampaignTable& table, const std::vector<rig::record::LedgerRow>& old) const {
+        rig::replay::write_ledger(new_file(), rig::record::read_campaigns(file()).front(), table, old);
+    }
+    void write() const { write(rebuilt(), rows()); }
+    [[nodiscard]] std::vector<rig::record::LedgerRow> new_rows() const { return rig::record::read_ledger(new_file(), "night"); }
+    /// Of the new ledger, whatever it left.
+    [[nodiscard]] std::vector<std::string> new_files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(file().parent_path()))
+            if (entry.path().filename().string().starts_with("rebuilt")) names.push_back(entry.path().filename().string());
+        std::sort(names.begin(), names.end());
+        return names;
     }
 
     TempDir dir;
@@ -119,6 +137,49 @@ class Ran {
         rig::record::write_summary(attempt.folder / "summary.json", summary);
         ledger.finish(summary);
     }
+};
+
+/// Warnings aside.
+void check_same(const std::vector<rig::record::LedgerRow>& rows, const std::vector<rig::record::LedgerRow>& old) {
+    REQUIRE(rows.size() == old.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        CAPTURE(i);
+        CHECK(rows[i].state == old[i].state);
+        CHECK(rows[i].attempt.folder == old[i].attempt.folder);
+        CHECK(rows[i].has_figures == old[i].has_figures);
+        CHECK(rows[i].summary.outcome == old[i].summary.outcome);
+        CHECK(rows[i].summary.started == old[i].summary.started);
+        CHECK(rows[i].summary.specimen == old[i].summary.specimen);
+        CHECK(rows[i].health.reason == old[i].health.reason);
+        CHECK(rows[i].summary.cumulative_energy_J == Approx(old[i].summary.cumulative_energy_J).epsilon(1e-12));
+        for (const rig::record::FigureField& field : rig::record::kFigureFields)
+            CHECK(rows[i].summary.figures.*field.value == old[i].summary.figures.*field.value);
+        REQUIRE(rows[i].amendments.size() == old[i].amendments.size());
+        for (std::size_t j = 0; j < rows[i].amendments.size(); ++j) CHECK(rows[i].amendments[j].counted_J == old[i].amendments[j].counted_J);
+        REQUIRE(rows[i].notes.size() == old[i].notes.size());
+        for (std::size_t j = 0; j < rows[i].notes.size(); ++j) CHECK(rows[i].notes[j].text == old[i].notes[j].text);
+    }
+}
+
+/// No file may become longer while it lives, as on a full disk.
+class FullDisk {
+  public:
+    explicit FullDisk(rlim_t bytes) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        rlimit limit = before_;
+        limit.rlim_cur = bytes;
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FullDisk() {
+        setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    FullDisk(const FullDisk&) = delete;
+    FullDisk& operator=(const FullDisk&) = delete;
+
+  private:
+    void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before_{};
 };
 
 }  // namespace
@@ -233,25 +294,56 @@ TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", 
     const rig::replay::CampaignTable table = ran.rebuilt();
     for (const auto& row : table.rows)
         for (const std::string& difference : row.differences) FAIL(difference);
-    const auto file = ran.file().parent_path() / "rebuilt.sqlite";
-    const auto old = rig::record::read_ledger(ran.file(), "night");
-    const rig::record::Campaign campaign = rig::record::read_campaigns(ran.file()).front();
-    rig::replay::write_ledger(file, campaign, table, old);
-    const auto rows = rig::record::read_ledger(file, "night");
-    REQUIRE(rows.size() == old.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        CAPTURE(i);
-        CHECK(rows[i].state == old[i].state);
-        CHECK(rows[i].attempt.folder == old[i].attempt.folder);
-        CHECK(rows[i].summary.outcome == old[i].summary.outcome);
-        CHECK(rows[i].summary.warnings == old[i].summary.warnings);
-        CHECK(rows[i].health.reason == old[i].health.reason);
-        CHECK(rows[i].amendments.size() == old[i].amendments.size());
-        CHECK(rows[i].summary.cumulative_energy_J == Approx(old[i].summary.cumulative_energy_J).epsilon(1e-12));
-        for (const rig::record::FigureField& field : rig::record::kFigureFields)
-            CHECK(rows[i].summary.figures.*field.value == old[i].summary.figures.*field.value);
+    const auto old = ran.rows();
+    ran.write(table, old);
+    const auto rows = ran.new_rows();
+    check_same(rows, old);
+    for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i].summary.warnings == old[i].summary.warnings);
+    CHECK(ran.new_files() == std::vector<std::string>{"rebuilt.sqlite"});
+    CHECK_THROWS_WITH(ran.write(table, old), ContainsSubstring("is there already"));
+}
+
+TEST_CASE("a ledger that cannot be rebuilt whole is not there at all", "[BRG-261]") {
+    const Ran ran;
+    const rig::replay::CampaignTable table = ran.rebuilt();
+    const auto old = ran.rows();
+    auto with_bad_note = old;
+    with_bad_note.back().notes.push_back({.field = "colour", .text = "red", .who = "A. Rossi", .made = "t"});
+    CHECK_THROWS_WITH(ran.write(table, with_bad_note), ContainsSubstring("rebuilt.sqlite") && ContainsSubstring("colour"));
+    CHECK(ran.new_files().empty());
+    // A disk that is full at any point.
+    std::size_t failed = 0;
+    for (rlim_t bytes = 0; bytes < 400'000; bytes += 4096) {
+        CAPTURE(bytes);
+        std::string said;
+        try {
+            const FullDisk disk(bytes);
+            ran.write(table, old);
+        } catch (const std::exception& error) {
+            said = error.what();
+        }
+        if (said.empty()) break;
+        ++failed;
+        CHECK_THAT(said, ContainsSubstring("rebuilt.sqlite"));
+        CHECK(ran.new_files().empty());
     }
-    CHECK_THROWS_WITH(rig::replay::write_ledger(file, campaign, table, old), ContainsSubstring("is there already"));
+    CHECK(failed > 3);
+    check_same(ran.new_rows(), old);
+    // What a killed rebuild left is not in the way.
+    std::filesystem::remove(ran.new_file());
+    for (const char* const end : {".part", ".part-journal", ".part-held"}) std::ofstream(ran.new_file().string() + end) << "half";
+    ran.write(table, old);
+    check_same(ran.new_rows(), old);
+    CHECK(ran.new_files() == std::vector<std::string>{"rebuilt.sqlite"});
+}
+
+TEST_CASE("two folders of the same attempt are refused, both by name", "[BRG-340]") {
+    const Ran ran;
+    std::filesystem::copy(ran.folder() / "0001", ran.folder() / "1", std::filesystem::copy_options::recursive);
+    CHECK_THROWS_WITH(ran.rebuilt(), ContainsSubstring("night/1 ") && ContainsSubstring("night/0001 ") && ContainsSubstring("maneuver 1"));
+    std::filesystem::remove_all(ran.folder() / "1");
+    std::filesystem::copy(ran.folder() / "0002.2", ran.folder() / "2.02", std::filesystem::copy_options::recursive);
+    CHECK_THROWS_WITH(ran.rebuilt(), ContainsSubstring("night/2.02 ") && ContainsSubstring("night/0002.2 "));
 }
 
 TEST_CASE("an unfinished attempt whose log was never metered is where a ledger differs from its folders", "[BRG-261]") {
