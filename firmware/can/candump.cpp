@@ -210,6 +210,7 @@ class LineWriter {
     void add(std::string_view text) {
         for (const char c : text) add(c);
     }
+    /// `value` >= 0.
     void decimal(std::int64_t value, int min_digits) {
         std::array<char, 20> digits{};
         int count = 0;
@@ -237,9 +238,11 @@ std::variant<CandumpLine, CandumpFailure> parse_candump(std::string_view line) {
 }
 
 std::size_t format_candump(const CandumpLine& line, std::span<char> out) {
+    const std::int64_t seconds = line.time.count() / kNanoseconds;
+    if (line.time < Time{} || seconds > kMaxSeconds) return 0;
     LineWriter writer(out);
     writer.add('(');
-    writer.decimal(line.time.count() / kNanoseconds, 10);
+    writer.decimal(seconds, 10);
     writer.add('.');
     writer.decimal(line.time.count() % kNanoseconds / 1000, 6);
     writer.add(") ");

@@ -35,7 +35,8 @@ struct CandumpFailure {
 inline constexpr std::size_t kCandumpLineMax = 80;
 
 /// Writes `(sssssssssss.uuuuuu) interface 1A0#0011` to `out`; returns the number of characters, 0 if it does not fit (interface names have at most
-/// 15). `time` >= 0 is truncated to microseconds. Remote frames, error frames and 29-bit identifiers are written as `candump -l` writes them.
+/// 15) or `time`, truncated to microseconds, is none that parse_candump() takes: below 0 or above 9e9 s. Remote frames, error frames and 29-bit
+/// identifiers are written as `candump -l` writes them.
 [[nodiscard]] std::size_t format_candump(const CandumpLine& line, std::span<char> out);
 /// The same for a data frame with an 11-bit identifier.
 [[nodiscard]] std::size_t format_candump(Time time, std::string_view interface, const Frame& frame, std::span<char> out);

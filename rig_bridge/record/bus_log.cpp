@@ -22,12 +22,29 @@ void BusLog::write(const CapturedFrame& frame) {
                                                               .remote = frame.remote,
                                                               .error = frame.error},
                                                              line);
+    if (length == 0) {
+        ++unwritable_;
+        return;
+    }
     file_->line({line.data(), length});
     const auto since = frame.frame.received - flushed_;
     if (since >= std::chrono::seconds(1) || since < antiskid::can::Time{}) {
         file_->flush();
         flushed_ = frame.frame.received;
     }
+}
+
+bool BusLog::finish() {
+    const bool whole = file_->finish();
+    return whole && unwritable_ == 0;
+}
+
+std::string BusLog::error() const {
+    std::string text = file_->error();
+    if (unwritable_ == 0) return text;
+    if (!text.empty()) text += "; ";
+    return text + std::to_string(unwritable_) + (unwritable_ == 1 ? " frame has" : " frames have") +
+           " a time stamp that no log can have (below 0 or above 9e9 s)";
 }
 
 }  // namespace rig::record

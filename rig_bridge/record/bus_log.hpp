@@ -23,18 +23,19 @@ class BusLog {
     /// Passes buffered lines to the kernel; call it while the bus is quiet.
     void flush() { file_->flush(); }
     /// Stores everything on the disk and closes the file. False if frames are missing.
-    bool finish() { return file_->finish(); }
+    bool finish();
 
-    [[nodiscard]] std::uint64_t frames() const { return file_->lines(); }
-    /// Frames that could not be written: the disk is full, or too slow.
-    [[nodiscard]] std::uint64_t missing() const { return file_->missing(); }
+    [[nodiscard]] std::uint64_t frames() const { return file_->lines() + unwritable_; }
+    /// Frames that could not be written: the disk is full or too slow, or their time stamp is none that a log can have.
+    [[nodiscard]] std::uint64_t missing() const { return file_->missing() + unwritable_; }
     /// Names file and reason, and how many frames are missing; empty while all is well.
-    [[nodiscard]] std::string error() const { return file_->error(); }
+    [[nodiscard]] std::string error() const;
 
   private:
     std::unique_ptr<LineFile> file_;
     std::string interface_;
     antiskid::can::Time flushed_{};
+    std::uint64_t unwritable_ = 0;
 };
 
 }  // namespace rig::record

@@ -27,7 +27,9 @@ class BusRecording final : public Recording {
           reader_(file, options_of(map), warnings_),
           signals_(reader_, *map.layout, rig.period_s),
           wheel_(rig.wheel_teeth),
-          flywheel_(rig.flywheel_teeth) {}
+          flywheel_(rig.flywheel_teeth) {
+        taken_.fill(antiskid::control::kNever);
+    }
 
     bool next(RecordedRow& row) override {
         if (!signals_.next()) {
@@ -50,20 +52,24 @@ class BusRecording final : public Recording {
     [[nodiscard]] std::string troubles() const override { return warnings_.summary(); }
 
   private:
-    /// In the order of Channel; NaN before the first frame with that value.
+    /// In the order of Channel; NaN without a new frame with that value since the row before.
     [[nodiscard]] std::array<double, kChannelCount> values() {
         const antiskid::can::BusView& view = signals_.view();
-        const auto said = [](float value, antiskid::control::Time received) {
-            return received == antiskid::control::kNever ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(value);
-        };
-        return {wheel_.at(view.wheel, signals_.time_s()),
-                flywheel_.at(view.flywheel, signals_.time_s()),
-                static_cast<double>(view.pressure.pressure_Pa),
-                said(view.load_cells.vertical_N, view.load_cells_received),
-                said(view.load_cells.longitudinal_N, view.load_cells_received),
-                said(view.load_cells.brake_torque_Nm, view.load_cells_received),
-                said(view.controller.current_mA, view.controller.command_received),
-                said(view.maneuver_state.brake_temperature_C, view.maneuver_state_received)};
+        const std::array<antiskid::control::Time, kChannelCount> received{
+            view.wheel.received,      view.flywheel.received,   view.pressure.received,           view.load_cells_received,
+            view.load_cells_received, view.load_cells_received, view.controller.command_received, view.maneuver_state_received};
+        std::array<double, kChannelCount> values{wheel_.at(view.wheel, signals_.time_s()),
+                                                 flywheel_.at(view.flywheel, signals_.time_s()),
+                                                 static_cast<double>(view.pressure.pressure_Pa),
+                                                 static_cast<double>(view.load_cells.vertical_N),
+                                                 static_cast<double>(view.load_cells.longitudinal_N),
+                                                 static_cast<double>(view.load_cells.brake_torque_Nm),
+                                                 static_cast<double>(view.controller.current_mA),
+                                                 static_cast<double>(view.maneuver_state.brake_temperature_C)};
+        for (std::size_t i = 0; i < kChannelCount; ++i)
+            if (received[i] == taken_[i]) values[i] = std::numeric_limits<double>::quiet_NaN();
+        taken_ = received;
+        return values;
     }
 
     const ImportMap& map_;
@@ -73,6 +79,7 @@ class BusRecording final : public Recording {
     LogReader reader_;
     MeasuredSignals signals_;
     ShaftSpeed wheel_, flywheel_;
+    std::array<antiskid::control::Time, kChannelCount> taken_{};  // stamp of the newest frame of each
 };
 
 }  // namespace

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 
 #include "firmware/host/settings/csv_field.hpp"
-#include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
@@ -36,15 +37,16 @@ std::optional<ManeuverFolder> as_maneuver(const fs::path& path) {
     return folder;
 }
 
-void compare_figures(const record::Figures& from_log, const record::Figures& stated, const char* where, std::vector<std::string>& differences) {
+void compare_figures(const record::Figures& rebuilt, const char* from, const record::Figures& stated, const char* where,
+                     std::vector<std::string>& differences) {
     for (const record::FigureField& field : record::kFigureFields) {
-        const double a = from_log.*field.value;
+        const double a = rebuilt.*field.value;
         const double b = stated.*field.value;
         if (a == b || (std::isnan(a) && std::isnan(b))) continue;
-        differences.push_back(fmt::format("{} is {} from the log, {} in {}", field.key, a, b, where));
+        differences.push_back(fmt::format("{} is {} from {}, {} in {}", field.key, a, from, b, where));
     }
-    if (from_log.standstill != stated.standstill)
-        differences.push_back(fmt::format("standstill is {} from the log, {} in {}", from_log.standstill, stated.standstill, where));
+    if (rebuilt.standstill != stated.standstill)
+        differences.push_back(fmt::format("standstill is {} from {}, {} in {}", rebuilt.standstill, from, stated.standstill, where));
 }
 
 class Rebuild {
@@ -55,26 +57,50 @@ class Rebuild {
         for (const ManeuverFolder& folder : folders)
             if (scenario_.empty() && fs::exists(folder.path / "summary.json"))
                 scenario_ = record::read_summary(folder.path / "summary.json").scenario;
-        for (const ManeuverFolder& folder : folders) add(folder);
-        if (table_.with_ledger) rows_without_folder(folders);
+        for (const auto& [folder, there] : attempts(folders)) add(folder, there);
         return table_;
     }
 
   private:
-    void add(const ManeuverFolder& folder) {
+    struct One {
+        ManeuverFolder folder;
+        bool there = true;  // else only in the ledger
+    };
+
+    /// By number and attempt, those of the ledger that have no folder among them.
+    [[nodiscard]] std::vector<One> attempts(const std::vector<ManeuverFolder>& folders) const {
+        std::vector<One> all;
+        for (const ManeuverFolder& folder : folders) all.push_back({.folder = folder});
+        for (const record::LedgerRow& row : sources_.ledger) {
+            const auto same = [&](const ManeuverFolder& f) { return f.number == row.attempt.number && f.attempt == row.attempt.attempt; };
+            // A bridge that died before it made the folder knows nothing of the attempt.
+            const bool known = row.has_figures || !row.amendments.empty() || !row.notes.empty();
+            if (!known || std::any_of(folders.begin(), folders.end(), same)) continue;
+            all.push_back({.folder = {.path = row.attempt.folder, .number = row.attempt.number, .attempt = row.attempt.attempt}, .there = false});
+        }
+        std::sort(all.begin(), all.end(), [](const One& a, const One& b) {
+            return std::tie(a.folder.number, a.folder.attempt) < std::tie(b.folder.number, b.folder.attempt);
+        });
+        return all;
+    }
+
+    void add(const ManeuverFolder& folder, bool there) {
         CampaignRow row;
         row.folder = folder;
         const record::LedgerRow* const ledger = ledger_row(folder);
-        row.ended = fs::exists(folder.path / "summary.json");
         std::optional<record::Summary> stated;
-        if (row.ended) {
+        if (there && fs::exists(folder.path / "summary.json")) {
             row.summary = *(stated = record::read_summary(folder.path / "summary.json"));
         } else if (ledger != nullptr) {
             row.summary = ledger->summary;
             row.summary.specimen = ledger->recorded;
         }
+        row.ended = stated || (ledger != nullptr && entered(*ledger));
         if (!row.ended) row.summary.outcome = name(record::RowState::unfinished);
-        row.counted = measure(row) || row.ended;
+        if (row.summary.scenario.empty()) row.summary.scenario = scenario_;
+        const fs::path log = there && !row.summary.scenario.empty() ? log_with_lines(row) : fs::path();
+        const bool known = stated || (ledger != nullptr && ledger->has_figures);
+        row.counted = log.empty() ? known : measure(row, log) || row.ended;
         const bool amended = ledger != nullptr && !ledger->amendments.empty();
         if (row.counted || amended) {
             energy_J_ += amended ? ledger->counted_J : record::counted_energy_J(row.summary);
@@ -84,20 +110,43 @@ class Rebuild {
         row.specimen = ledger != nullptr ? ledger->summary.specimen : row.summary.specimen;
         if (ledger != nullptr) row.worn = ledger->worn;
         row.disc_energy_J = disc_.after(row.specimen, energy_J_);
+        const char* const from = log.empty() ? "summary.json" : "the log";
         // A summary has the values at the time of writing; sums that were amended later differ.
-        if (stated) compare(row.summary, *stated, "summary.json", !amended_, row.differences);
-        if (ledger != nullptr && (row.ended || ledger->has_figures)) compare(row.summary, ledger->summary, "the ledger", true, row.differences);
-        if (table_.with_ledger) compare_state(row, ledger);
+        if (stated) compare(row.summary, from, *stated, "summary.json", !amended_, row.differences);
+        if (ledger != nullptr && known) compare(row.summary, from, ledger->summary, "the ledger", true, row.differences);
+        if (table_.with_ledger) compare_state(row, stated.has_value(), there, ledger);
+        if (log.empty() && known) log_missing(row, there, stated ? "summary.json" : "the ledger");
         table_.rows.push_back(std::move(row));
     }
 
-    void compare(const record::Summary& from_log, const record::Summary& stated, const char* where, bool sums,
+    static bool entered(const record::LedgerRow& ledger) {
+        return ledger.state == record::RowState::finished || ledger.state == record::RowState::aborted;
+    }
+
+    /// The log of the row's folder; empty if there is none, or none of the frames that were recorded is in it.
+    static fs::path log_with_lines(const CampaignRow& row) {
+        const fs::path log = log_in(row.folder.path);
+        return !log.empty() && row.summary.frames > 0 && fs::file_size(log) == 0 ? fs::path() : log;
+    }
+
+    static void log_missing(CampaignRow& row, bool there, const char* from) {
+        row.differences.emplace_back(there ? "neither bus.log nor bus.log.gz, or an empty one" : "in the ledger, but the folder is not there");
+        without_log_missing(row.summary.warnings);
+        row.summary.warnings.push_back(fmt::format("{}: its figures are those of {}", kLogMissing, from));
+    }
+
+    static void without_log_missing(std::vector<std::string>& warnings) {
+        std::erase_if(warnings, [](const std::string& text) { return text.starts_with(kLogMissing); });
+    }
+
+    void compare(const record::Summary& rebuilt, const char* from, const record::Summary& stated, const char* where, bool sums,
                  std::vector<std::string>& differences) const {
-        compare_figures(from_log.figures, stated.figures, where, differences);
-        if (from_log.warnings != stated.warnings) {
-            differences.push_back(fmt::format("warnings are '{}' from the log, '{}' in {}", fmt::join(from_log.warnings, "; "),
-                                              fmt::join(stated.warnings, "; "), where));
-        }
+        compare_figures(rebuilt.figures, from, stated.figures, where, differences);
+        std::vector<std::string> now = rebuilt.warnings;
+        std::vector<std::string> then = stated.warnings;
+        for (std::vector<std::string>* const warnings : {&now, &then}) without_log_missing(*warnings);
+        if (now != then)
+            differences.push_back(fmt::format("warnings are '{}' from {}, '{}' in {}", fmt::join(now, "; "), from, fmt::join(then, "; "), where));
         // With amendments the order of additions differs.
         const double rounding_J = amended_ ? 1e-9 * std::abs(energy_J_) : 0.0;
         if (sums && !(std::abs(energy_J_ - stated.cumulative_energy_J) <= rounding_J)) {
@@ -105,30 +154,16 @@ class Rebuild {
         }
     }
 
-    static void compare_state(CampaignRow& row, const record::LedgerRow* ledger) {
+    static void compare_state(CampaignRow& row, bool with_summary, bool there, const record::LedgerRow* ledger) {
         if (ledger == nullptr) {
             row.differences.emplace_back("the ledger has no such attempt");
             return;
         }
-        const bool entered = ledger->state == record::RowState::finished || ledger->state == record::RowState::aborted;
-        if (entered != row.ended)
-            row.differences.push_back(fmt::format("{} summary.json, but {} in the ledger", row.ended ? "has a" : "has no", name(ledger->state)));
+        if (!there) return;
+        if (entered(*ledger) != with_summary)
+            row.differences.push_back(fmt::format("{} summary.json, but {} in the ledger", with_summary ? "has a" : "has no", name(ledger->state)));
         else if (row.counted && !ledger->has_figures)
             row.differences.push_back(fmt::format("{:.6g} MJ are in its log, none in the ledger", row.summary.figures.energy_brake_J * 1e-6));
-    }
-
-    void rows_without_folder(const std::vector<ManeuverFolder>& folders) {
-        for (const record::LedgerRow& ledger : sources_.ledger) {
-            const bool there = std::any_of(folders.begin(), folders.end(), [&](const ManeuverFolder& f) {
-                return f.number == ledger.attempt.number && f.attempt == ledger.attempt.attempt;
-            });
-            if (there || ledger.state == record::RowState::unfinished || ledger.state == record::RowState::running) continue;
-            CampaignRow row;
-            row.folder = {.path = ledger.attempt.folder, .number = ledger.attempt.number, .attempt = ledger.attempt.attempt};
-            row.summary.outcome = name(ledger.state);
-            row.differences.push_back("in the ledger, but the folder is not there");
-            table_.rows.push_back(std::move(row));
-        }
     }
 
     [[nodiscard]] const record::LedgerRow* ledger_row(const ManeuverFolder& folder) const {
@@ -139,14 +174,7 @@ class Rebuild {
     }
 
     /// Whether the attempt's log counts.
-    bool measure(CampaignRow& row) {
-        if (row.summary.scenario.empty()) row.summary.scenario = scenario_;
-        const fs::path log = log_in(row.folder.path);
-        if (log.empty() || row.summary.scenario.empty()) {
-            if (row.ended) row.differences.emplace_back("neither bus.log nor bus.log.gz");
-            row.summary.figures = {};
-            return false;
-        }
+    bool measure(CampaignRow& row, const fs::path& log) {
         LogWarnings warnings = sources_.warnings(log.string());
         MeteredLog metered =
             meter_log(log, sources_.layout, sources_.parameters(row.summary.scenario), row.ended ? LogEnd::closed : LogEnd::left, warnings);
@@ -173,30 +201,6 @@ std::string verdict(const CampaignTable& table) {
                        table.with_ledger ? "summaries and ledger" : "summaries (no ledger)");
 }
 
-const record::LedgerRow* row_of(const std::vector<record::LedgerRow>& rows, const ManeuverFolder& folder) {
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const record::LedgerRow& row) {
-        return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
-    });
-    return found == rows.end() ? nullptr : &*found;
-}
-
-void enter(record::Ledger& ledger, const std::string& campaign, const CampaignRow& row, const record::LedgerRow* old) {
-    std::optional<double> slip_reference;
-    if (old != nullptr) slip_reference = old->slip_reference;
-    // An attempt without a folder never had one, or lost it: nothing is known of it.
-    while (ledger.begin(row.folder.number, row.summary.started, slip_reference, row.summary.specimen).attempt < row.folder.attempt)
-        ledger.mark_unfinished();
-    if (!row.ended) {
-        ledger.mark_unfinished(row.counted ? std::optional(row.summary) : std::nullopt);
-        return;
-    }
-    record::Summary summary = row.summary;
-    summary.campaign = campaign;
-    summary.cumulative_energy_J = ledger.cumulative_energy_J() + record::counted_energy_J(summary);
-    ledger.finish(summary);
-    if (old != nullptr && !old->health.model.empty() && old->state == record::RowState::finished) ledger.judge(row.folder.number, old->health);
-}
-
 }  // namespace
 
 std::vector<ManeuverFolder> maneuver_folders(const fs::path& campaign) {
@@ -207,6 +211,12 @@ std::vector<ManeuverFolder> maneuver_folders(const fs::path& campaign) {
     if (folders.empty()) throw std::runtime_error(campaign.string() + ": holds no maneuvers; expected folders 0001, 0002, ...");
     std::sort(folders.begin(), folders.end(),
               [](const ManeuverFolder& a, const ManeuverFolder& b) { return a.number != b.number ? a.number < b.number : a.attempt < b.attempt; });
+    const auto twice = std::adjacent_find(folders.begin(), folders.end(), [](const ManeuverFolder& a, const ManeuverFolder& b) {
+        return a.number == b.number && a.attempt == b.attempt;
+    });
+    if (twice != folders.end())
+        throw std::runtime_error(fmt::format("{} and {} are both maneuver {}, attempt {}: keep one of them under {}", twice->path.string(),
+                                             std::next(twice)->path.string(), twice->number, twice->attempt, campaign.string()));
     return folders;
 }
 
@@ -287,20 +297,6 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
                               {"lines", table.lines},
                               {"rows", rows}};
     return settings::json_page(root);
-}
-
-void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,
-                  const std::vector<record::LedgerRow>& old) {
-    if (std::filesystem::exists(file)) throw settings::Error(file.string(), 0, "", "is there already; a rebuilt ledger is a new file");
-    record::Ledger ledger(file);
-    ledger.open_campaign(campaign, record::IfChanged::reject);
-    for (const CampaignRow& row : table.rows)
-        if (const record::LedgerRow* was = row_of(old, row.folder); row.ended || row.counted || was != nullptr)
-            enter(ledger, campaign.name, row, was);
-    for (const record::LedgerRow& row : old)
-        for (const record::Amendment& amendment : row.amendments) ledger.amend(row.attempt.number, row.attempt.attempt, amendment);
-    for (const record::LedgerRow& row : old)
-        for (const record::Note& note : row.notes) ledger.note(row.attempt.number, row.attempt.attempt, note);
 }
 
 }  // namespace rig::replay

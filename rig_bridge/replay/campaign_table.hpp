@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/can/layout.hpp"
@@ -20,14 +21,18 @@ struct ManeuverFolder {
     std::int64_t attempt = 1;
 };
 
-/// The folders NNNN and NNNN.A of `campaign`, by number and attempt. Throws std::runtime_error when there is none.
+/// The folders NNNN and NNNN.A of `campaign`, by number and attempt. Throws std::runtime_error when there is none, or two for the
+/// same attempt (1 and 0001).
 [[nodiscard]] std::vector<ManeuverFolder> maneuver_folders(const std::filesystem::path& campaign);
+
+/// Warning of a row with known figures whose log is lost: they are those of summary.json or of the ledger.
+inline constexpr std::string_view kLogMissing = "log_missing";
 
 struct CampaignRow {
     ManeuverFolder folder;
     bool counted = false;  ///< has figures, and its energy counts
-    bool ended = false;    ///< finished or aborted: has a summary
-    /// summary.json, or what is known without it, with figures, warnings and sums replaced by those from the logs, as amended.
+    bool ended = false;    ///< finished or aborted, by a summary.json or by the ledger
+    /// summary.json, or the ledger's without it. Figures and warnings from the log if there is one; sums from all rows, as amended.
     record::Summary summary;
     record::Specimen specimen{};  ///< as noted; `summary` has it as it was recorded
     record::WearReading worn{};   ///< as noted
@@ -53,11 +58,13 @@ struct CampaignSources {
     std::function<LogWarnings(const std::string& file)> warnings;
 };
 
-/// Writes the campaign to a new ledger beside the folders. Throws settings::Error if `file` exists, and LedgerError.
+/// Writes the campaign to a new ledger beside the folders, with amendments and notes of `old`. Atomic: in FILE.part until it is whole. Throws
+/// settings::Error if `file` exists or cannot be stored, and LedgerError; it is then not there, or whole if only the sync of its directory failed.
 void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,
                   const std::vector<record::LedgerRow>& old);
 
-/// Reads every log of the folders. A missing or unreadable log counts as a difference. Amendments in the ledger are applied.
+/// Reads every log of the folders; rows by number and attempt, those of the ledger without a folder among them. A missing log or folder counts as a
+/// difference, and what is known without it stays, with kLogMissing. Amendments in the ledger are applied.
 [[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources);
 
 [[nodiscard]] std::string to_text(const CampaignTable& table);

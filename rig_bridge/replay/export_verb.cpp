@@ -111,6 +111,7 @@ struct ExportCommand {
                                                                       .remote = f.remote,
                                                                       .error = f.error},
                                                                      text);
+            if (length == 0) throw std::runtime_error(fmt::format("{}:{}: the name of the interface is too long", log, reader.lines()));
             text[length] = '\n';
             lines.write(text.data(), static_cast<std::streamsize>(length) + 1);
         }

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 
@@ -139,6 +141,8 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
 }
 
 constexpr double kReleased_s = 0.5;
+constexpr double kNever_s = -std::numeric_limits<double>::infinity();
+constexpr double kLatest_s = 8.9e9;  // a log has times up to 9e9 s
 
 class Importer {
   public:
@@ -146,6 +150,7 @@ class Importer {
         : settings_(settings), map_(settings.map), notes_(notes), rig_(settings.rig), channels_(wanted_channels(map_)) {
         for (const Channel channel : channels_)
             factors_.push_back(factor_of(channel, map_.channels[static_cast<std::size_t>(channel)]->unit, rig_.meter.flywheel_radius_m));
+        heard_s_.fill(kNever_s);
     }
 
     ImportReport run() {
@@ -167,23 +172,66 @@ class Importer {
         row_ = row.row;
         if (!std::isfinite(row.values[0])) return;
         ImportSample sample;
-        sample.time_s = row.values[0] * map_.time.unit.factor * 1e-9;
+        sample.time_s = row.values[0] * map_.time.unit.factor * 1e-9 + shift_s_;
         if (started_ && sample.time_s <= newest_.time_s) {
             const double back_s = newest_.time_s - sample.time_s;
             notes_.add(back_s == 0.0 ? "time_repeated" : "time_reset", row_, fmt::format("by {:g} s", back_s));
             if (back_s == 0.0) return;
             broken();
+            heard_s_.fill(kNever_s);
         } else if (started_ && sample.time_s - newest_.time_s > map_.longest_gap_s) {
             notes_.add("gap", row_, fmt::format("{:g} s since the row before", sample.time_s - newest_.time_s));
             broken();
         }
+        if (sample.time_s < 0.0 || sample.time_s > kLatest_s) shift(sample);
         for (std::size_t i = 0; i < channels_.size(); ++i) set(row, i, sample);
+        const bool measured = listen(sample);
         newest_ = sample;
         started_ = true;
-        follow(sample);
+        if (measured) follow(sample);
     }
 
-    /// A cell without a plausible number keeps the channel's last value.
+    /// A channel holds its last number for longest_gap_s, so that a table of fast channels may have slow ones. False: a speed or the pressure is not
+    /// known, as in a gap.
+    bool listen(ImportSample& sample) {
+        bool measured = true;
+        for (const Channel channel : channels_) {
+            const auto place = static_cast<std::size_t>(channel);
+            const double since_s = sample.time_s - heard_s_[place];
+            const bool silent = since_s > map_.longest_gap_s;
+            const bool begins = silent && !silent_[place];
+            silent_[place] = silent;
+            if (!silent || channel == Channel::brake_temperature) continue;
+            if (begins && std::isfinite(since_s))
+                notes_.add("silent", row_,
+                           fmt::format("column '{}' has had no number for {:.3g} s; longest_gap_s is {:g}", column_of(map_, channel).column, since_s,
+                                       map_.longest_gap_s));
+            if (is_load_cell(channel)) sample.load_cells = false;
+            if (!is_needed(channel)) continue;
+            if (begins) broken();
+            measured = false;
+        }
+        return measured;
+    }
+
+    static bool is_needed(Channel channel) {
+        return channel == Channel::wheel_speed || channel == Channel::flywheel_speed || channel == Channel::pressure;
+    }
+
+    static bool is_load_cell(Channel channel) {
+        return channel == Channel::vertical_load || channel == Channel::longitudinal_force || channel == Channel::brake_torque;
+    }
+
+    /// From here on times begin near 0, because no log can have this one. Whole seconds keep the milliseconds where they were.
+    void shift(ImportSample& sample) {
+        const double by_s = -std::floor(sample.time_s);
+        shift_s_ += by_s;
+        sample.time_s += by_s;
+        notes_.add("time_shifted", row_,
+                   fmt::format("by {:.0f} s from here on, because the times of a log go from 0 to {:g} s", shift_s_, kLatest_s));
+    }
+
+    /// A cell without a plausible number keeps the channel's last value for the time being: listen().
     void set(const RecordedRow& row, std::size_t i, ImportSample& sample) {
         const auto place = static_cast<std::size_t>(channels_[i]);
         const double value = row.values[i + 1] * factors_[i];
@@ -192,6 +240,7 @@ class Importer {
         if (!std::isfinite(value)) return;
         if (value >= range.lowest && value <= range.highest) {
             sample.value[place] = value;
+            heard_s_[place] = sample.time_s;
             return;
         }
         const ImportColumn& column = *map_.channels[place];
@@ -296,10 +345,13 @@ class Importer {
     std::vector<Channel> channels_;
     std::vector<double> factors_;
     ImportReport report_;
+    double shift_s_ = 0.0;  // from the recording's times to those of the logs
     bool started_ = false;
     bool ready_ = false;  // the pressure has been below brake-on
     std::uint64_t row_ = 0;
     ImportSample newest_;
+    std::array<double, kChannelCount> heard_s_{};  // the last number of each channel
+    std::array<bool, kChannelCount> silent_{};
     std::deque<ImportSample> before_;
     std::unique_ptr<ManeuverWriter> writer_;
     ImportedManeuver maneuver_;

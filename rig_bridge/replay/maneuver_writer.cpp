@@ -9,12 +9,16 @@ namespace rig::replay {
 
 using antiskid::can::Frame;
 using antiskid::can::RigPort;
+using antiskid::can::Role;
 using antiskid::can::Time;
 
 namespace {
 
 constexpr Time kStep{1'000'000};
 constexpr double kSample_s = 1e-3;
+/// Load cells have a port of their own, because they may be silent.
+constexpr std::array kFromBridge{Role::maneuver, Role::rig_heartbeat, Role::emergency_stop, Role::maneuver_state};
+constexpr std::array kLoadCells{Role::load_cells};
 
 std::filesystem::path made(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
@@ -25,6 +29,7 @@ ImportSample between(const ImportSample& a, const ImportSample& b, double time_s
     const double x = (time_s - a.time_s) / (b.time_s - a.time_s);
     ImportSample s;
     s.time_s = time_s;
+    s.load_cells = b.load_cells;
     for (std::size_t i = 0; i < kChannelCount; ++i) s.value[i] = a.value[i] + x * (b.value[i] - a.value[i]);
     return s;
 }
@@ -36,7 +41,8 @@ ManeuverWriter::ManeuverWriter(const ImportedRig& rig, const std::filesystem::pa
       log_(made(folder), "import"),
       meter_(rig.layout, rig.meter),
       sensors_(rig.layout, kStep, antiskid::can::kFromRigSensors),
-      bridge_(rig.layout, kStep, antiskid::can::kFromBridge),
+      bridge_(rig.layout, kStep, kFromBridge),
+      load_cells_(rig.layout, kStep, kLoadCells),
       controller_(rig.layout, kStep),
       wheel_(rig.meter.wheel_teeth),
       flywheel_(rig.meter.flywheel_teeth) {}
@@ -75,12 +81,17 @@ void ManeuverWriter::step(const ImportSample& s, rig::Phase phase) {
                           .number = static_cast<std::uint32_t>(rig_.number),
                           .brake_temperature_C = static_cast<float>(s[Channel::brake_temperature])};
     const Time stamp{next_ms_ * kStep.count()};
-    std::array<Frame, RigPort::kMaxFrames> due{};
-    for (RigPort* port : {&bridge_, &sensors_}) {
-        const std::size_t count = port->due_frames(out, due);
-        for (std::size_t i = 0; i < count; ++i) send(due[i], stamp);
-    }
+    // A record without a single frame of them is one of a rig that has none.
+    if (s.load_cells || !load_cells_sent_) load_cells_sent_ = send_due(load_cells_, out, stamp) > 0 || load_cells_sent_;
+    for (RigPort* port : {&bridge_, &sensors_}) (void)send_due(*port, out, stamp);
     if (rig_.with_valve) send(controller_.valve_command(out.maneuver.current_mA), stamp);
+}
+
+std::size_t ManeuverWriter::send_due(RigPort& port, const antiskid::can::RigSample& sample, Time stamp) {
+    std::array<Frame, RigPort::kMaxFrames> due{};
+    const std::size_t count = port.due_frames(sample, due);
+    for (std::size_t i = 0; i < count; ++i) send(due[i], stamp);
+    return count;
 }
 
 void ManeuverWriter::send(Frame frame, Time stamp) {

@@ -56,6 +56,7 @@ class VirtualEncoder {
 struct ImportSample {
     double time_s = 0.0;
     std::array<double, kChannelCount> value{};
+    bool load_cells = true;  ///< their values are new enough to go on the bus
 
     [[nodiscard]] double operator[](Channel channel) const { return value[static_cast<std::size_t>(channel)]; }
 };
@@ -85,12 +86,15 @@ class ManeuverWriter {
 
   private:
     void step(const ImportSample& sample, rig::Phase phase);
+    /// Number of frames.
+    std::size_t send_due(antiskid::can::RigPort& port, const antiskid::can::RigSample& sample, antiskid::can::Time stamp);
     void send(antiskid::can::Frame frame, antiskid::can::Time stamp);
 
     const ImportedRig& rig_;
     record::BusLog log_;
     record::BusMeter meter_;
-    antiskid::can::RigPort sensors_, bridge_;
+    antiskid::can::RigPort sensors_, bridge_, load_cells_;
+    bool load_cells_sent_ = false;
     antiskid::can::ControllerPort controller_;
     VirtualEncoder wheel_, flywheel_;
     std::optional<ImportSample> last_;

@@ -139,3 +139,18 @@ TEST_CASE("a line that just fits is written, one that does not leaves its neighb
     std::array<char, kCandumpLineMax> out{};
     CHECK(std::string(out.data(), format_candump(remote, out)) == "(0000000000.000000) c 000#R1");
 }
+
+TEST_CASE("a time that no line can have is not written", "[CAN-050]") {
+    const Frame frame{.id = 0x1A0, .length = 2, .data = {0, 0x11}, .received = {}};
+    std::array<char, kCandumpLineMax> out{};
+    const auto size_at = [&](Time time) { return format_candump(time, "vcan0", frame, out); };
+    for (const Time time : {Time{-1}, Time{-1'000'000}, Time{-30'000'000'000}, Time::min(), Time{9'000'000'001'000'000'000}, Time::max()})
+        CHECK(size_at(time) == 0);
+    for (const Time time : {Time{0}, Time{9'000'000'000'999'999'999}}) {
+        const std::size_t size = size_at(time);
+        REQUIRE(size > 0);
+        const auto read = parse_candump({out.data(), size});
+        REQUIRE(std::holds_alternative<CandumpLine>(read));
+        CHECK(std::get<CandumpLine>(read).time == Time{time.count() / 1000 * 1000});
+    }
+}

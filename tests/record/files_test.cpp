@@ -114,6 +114,20 @@ TEST_CASE("a frame is with the kernel a second later at most", "[BRG-210]") {
     }
 }
 
+TEST_CASE("a frame with a time that no log can have is missing, and said to be", "[BRG-210]") {
+    const TempDir dir;
+    const auto path = dir.write("x", "").parent_path() / "bus.log";
+    BusLog log(path, "vcan0");
+    log.write(captured(0x100, 0, 1));
+    log.write(captured(0x100, 0, -1'000'000));
+    log.write(captured(0x100, 0, 2));
+    CHECK(log.frames() == 3);
+    CHECK(log.missing() == 1);
+    CHECK_FALSE(log.finish());
+    CHECK(log.error() == "1 frame has a time stamp that no log can have (below 0 or above 9e9 s)");
+    CHECK(lines(path) == std::vector<std::string>{"(0000000000.000001) vcan0 100#", "(0000000000.000002) vcan0 100#"});
+}
+
 TEST_CASE("every recorded frame comes back from its line", "[BRG-210]") {
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "bus.log";

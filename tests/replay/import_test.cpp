@@ -6,6 +6,7 @@
 
 #include "firmware/host/controller_config.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
+#include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/foreign_log.hpp"
@@ -13,88 +14,11 @@
 #include "rig_bridge/rig/meter_parameters.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 #include "tests/catch.hpp"
-#include "tests/replay/landings.hpp"
+#include "tests/replay/imports.hpp"
 
 using namespace replay_test;
 
 namespace {
-
-struct Row {
-    double time_s, wheel_radps, v_mps, pressure_Pa, load_N, torque_Nm, current_mA;
-};
-
-/// Every 2 ms of an endurance stop, from rolling to the release.
-struct Truth {
-    Truth() {
-        auto options = scenarios::options({"dry_asphalt", "endurance"}, "deceleration");
-        std::int64_t step = 0;
-        const auto result = scenarios::run(
-            options, study::Link::rounded, [&](const study::RigSession& session, const antiskid::can::ControllerView&, double current_mA) {
-                const plant::Rig& rig = session.rig();
-                const plant::Forces f = rig.forces();
-                if (++step % 2 == 0 && rig.time_s() > 1.2)
-                    rows.push_back(
-                        {rig.time_s(), rig.wheel().omega_radps, rig.wheel().v_mps, rig.pressure_Pa(), f.F_z_N, f.brake_torque_Nm, current_mA});
-            });
-        figures = result.figures;
-    }
-    std::vector<Row> rows;
-    study::StopFigures figures;
-};
-
-const Truth& truth() {
-    static const Truth kTruth;
-    return kTruth;
-}
-
-std::string german(double value, int decimals) {
-    std::string text = fmt::format("{:.{}f}", value, decimals);
-    std::replace(text.begin(), text.end(), '.', ',');
-    return text;
-}
-
-const std::string kHead = "Pruefstand 3;;;;;\nZeit;n_Rad;v_Schwungrad;p_Bremse;F_z;M_Bremse\ns;1/min;km/h;bar;kN;Nm\n";
-
-/// `pressure`: from Pa to what the column has.
-std::string csv_row(const Row& r, double shift_s, double pressure = 1e-5) {
-    return fmt::format("{};{};{};{};{};{}\n", german(r.time_s + shift_s, 4), german(r.wheel_radps * 30.0 / std::numbers::pi, 4),
-                       german(r.v_mps * 3.6, 5), german(r.pressure_Pa * pressure, 4), german(r.load_N * 1e-3, 4), german(r.torque_Nm, 3));
-}
-
-/// Two stops one after the other.
-std::string two_stops(double pressure = 1e-5) {
-    std::string csv = kHead;
-    for (const double shift_s : {0.0, 30.0})
-        for (const Row& row : truth().rows) csv += csv_row(row, shift_s, pressure);
-    return csv;
-}
-
-struct Import {
-    Import(const std::filesystem::path& file, const rig::replay::ImportMap& with, const rig::record::Specimen& specimen = {}) : map(with) {
-        const rig::replay::ImportSettings settings{
-            .file = file,
-            .map = map,
-            .out = out,
-            .rig = {.layout = can_test::ours(), .meter = meter, .plan = scenario.mean, .with_valve = map.channels[6].has_value(), .number = 0},
-            .specimen = specimen,
-            .config_hash = "x"};
-        rig::replay::ImportNotes notes("r.csv", [this](const std::string& text) { said += text + "\n"; });
-        report = rig::replay::import_recording(settings, notes);
-        counts = notes.counts();
-    }
-    TempDir dir;
-    rig::Scenario scenario = rig::load_scenario("config/scenarios/endurance.toml");
-    rig::record::MeterParameters meter = rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
-    std::filesystem::path out = dir.write("x", "").parent_path() / "night";
-    rig::replay::ImportMap map;
-    rig::replay::ImportReport report;
-    std::string said;
-    std::map<std::string, std::uint64_t> counts;
-};
-
-rig::replay::ImportMap example() {
-    return rig::replay::load_import_map("config/import_example.toml");
-}
 
 void check(const rig::record::Figures& f) {
     const study::StopFigures& t = truth().figures;
@@ -127,12 +51,7 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     CHECK(summary.number == 2);
     CHECK(summary.cumulative_energy_J == import.report.maneuvers[0].figures.energy_brake_J + import.report.maneuvers[1].figures.energy_brake_J);
     // Every verb works on it: the campaign is its own summaries, the plant finds the braking.
-    const rig::replay::CampaignSources sources{.layout = can_test::ours(),
-                                               .parameters = [&](const std::string&) { return import.meter; },
-                                               .ledger = {},
-                                               .with_ledger = false,
-                                               .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
-    CHECK(rig::replay::rebuild_campaign(rig::replay::maneuver_folders(import.out), sources).different() == 0);
+    CHECK(import.rebuilt().different() == 0);
     rig::replay::LogWarnings warnings("bus.log", {});
     rig::replay::LogOptions options;
     options.layout = &can_test::ours();
@@ -145,6 +64,33 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     CHECK_FALSE(warnings.any());
 }
 
+TEST_CASE("times that no log can have, as those before a trigger, give the same maneuvers, and their logs can be read", "[BRG-350]") {
+    const TempDir dir;
+    rig::replay::ImportMap map = example();
+    map.after_s = 0.1;
+    const Import usual(dir.write("r.csv", two_stops()), map);
+    // From below zero across it, back below zero at a reset, and an epoch in milliseconds that is called seconds.
+    for (const std::array<double, 2>& shifts_s :
+         {std::array{-30.0, 0.0}, std::array{0.0, -30.0}, std::array{-1e6, -30.0}, std::array{1e10, 1e10 + 30.0}}) {
+        CAPTURE(shifts_s);
+        const Import import(dir.write("r.csv", two_stops(1e-5, shifts_s)), map);
+        CHECK_THAT(import.said, ContainsSubstring("time_shifted"));
+        CHECK(import.counts.at("time_shifted") >= 1);
+        REQUIRE(import.report.maneuvers.size() == 2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(import.report.maneuvers[i].outcome == "finished");
+            for (const rig::record::FigureField& field : rig::record::kFigureFields) {
+                CAPTURE(field.key);
+                CHECK(import.report.maneuvers[i].figures.*field.value ==
+                      Approx(usual.report.maneuvers[i].figures.*field.value).epsilon(2e-4).margin(1e-6));
+            }
+        }
+        const rig::replay::CampaignTable table = import.rebuilt();
+        CHECK(table.counted() == 2);
+        CHECK(table.different() == 0);
+    }
+}
+
 TEST_CASE("what is said of the specimen at an import is that of every maneuver in it, exports included", "[BRG-270]") {
     const TempDir dir;
     rig::replay::ImportMap map = example();
@@ -154,12 +100,7 @@ TEST_CASE("what is said of the specimen at an import is that of every maneuver i
     const Import import(dir.write("r.csv", two_stops()), map, said);
     REQUIRE(import.report.maneuvers.size() == 2);
     for (const auto& maneuver : import.report.maneuvers) CHECK(rig::record::read_summary(maneuver.folder / "summary.json").specimen == said);
-    const rig::replay::CampaignSources sources{.layout = can_test::ours(),
-                                               .parameters = [&](const std::string&) { return import.meter; },
-                                               .ledger = {},
-                                               .with_ledger = false,
-                                               .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
-    const std::string csv = to_csv(rig::replay::rebuild_campaign(rig::replay::maneuver_folders(import.out), sources));
+    const std::string csv = to_csv(import.rebuilt());
     CHECK_THAT(csv, ContainsSubstring(",B12,D7,T3,S-2026-4,A. Rossi,by night,"));
     // Nothing is written of a text that would not be one line.
     CHECK_THROWS_WITH(Import(dir.write("r.csv", two_stops()), map, {.notes = "two\nlines"}), ContainsSubstring("control character"));

@@ -1,7 +1,9 @@
 // Campaigns of maneuvers known in closed form: the raw logs must give what summaries and ledger say, bit by bit.
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 
 #include "firmware/host/settings/json.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
@@ -50,6 +52,22 @@ class Ran {
             .with_ledger = !ledger.empty(),
             .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
         return rig::replay::rebuild_campaign(rig::replay::maneuver_folders(folder()), sources);
+    }
+
+    [[nodiscard]] std::vector<rig::record::LedgerRow> rows() const { return rig::record::read_ledger(file(), "night"); }
+    [[nodiscard]] std::filesystem::path new_file() const { return file().parent_path() / "rebuilt.sqlite"; }
+    void write(const rig::replay::CampaignTable& table, const std::vector<rig::record::LedgerRow>& old) const {
+        rig::replay::write_ledger(new_file(), rig::record::read_campaigns(file()).front(), table, old);
+    }
+    void write() const { write(rebuilt(), rows()); }
+    [[nodiscard]] std::vector<rig::record::LedgerRow> new_rows() const { return rig::record::read_ledger(new_file(), "night"); }
+    /// Of the new ledger, whatever it left.
+    [[nodiscard]] std::vector<std::string> new_files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(file().parent_path()))
+            if (entry.path().filename().string().starts_with("rebuilt")) names.push_back(entry.path().filename().string());
+        std::sort(names.begin(), names.end());
+        return names;
     }
 
     TempDir dir;
@@ -119,6 +137,49 @@ class Ran {
         rig::record::write_summary(attempt.folder / "summary.json", summary);
         ledger.finish(summary);
     }
+};
+
+/// Warnings aside.
+void check_same(const std::vector<rig::record::LedgerRow>& rows, const std::vector<rig::record::LedgerRow>& old) {
+    REQUIRE(rows.size() == old.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        CAPTURE(i);
+        CHECK(rows[i].state == old[i].state);
+        CHECK(rows[i].attempt.folder == old[i].attempt.folder);
+        CHECK(rows[i].has_figures == old[i].has_figures);
+        CHECK(rows[i].summary.outcome == old[i].summary.outcome);
+        CHECK(rows[i].summary.started == old[i].summary.started);
+        CHECK(rows[i].summary.specimen == old[i].summary.specimen);
+        CHECK(rows[i].health.reason == old[i].health.reason);
+        if (old[i].has_figures) CHECK(rows[i].summary.cumulative_energy_J == Approx(old[i].summary.cumulative_energy_J).epsilon(1e-12));
+        for (const rig::record::FigureField& field : rig::record::kFigureFields)
+            CHECK(rows[i].summary.figures.*field.value == old[i].summary.figures.*field.value);
+        REQUIRE(rows[i].amendments.size() == old[i].amendments.size());
+        for (std::size_t j = 0; j < rows[i].amendments.size(); ++j) CHECK(rows[i].amendments[j].counted_J == old[i].amendments[j].counted_J);
+        REQUIRE(rows[i].notes.size() == old[i].notes.size());
+        for (std::size_t j = 0; j < rows[i].notes.size(); ++j) CHECK(rows[i].notes[j].text == old[i].notes[j].text);
+    }
+}
+
+/// No file may become longer while it lives, as on a full disk.
+class FullDisk {
+  public:
+    explicit FullDisk(rlim_t bytes) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        rlimit limit = before_;
+        limit.rlim_cur = bytes;
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FullDisk() {
+        setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    FullDisk(const FullDisk&) = delete;
+    FullDisk& operator=(const FullDisk&) = delete;
+
+  private:
+    void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before_{};
 };
 
 }  // namespace
@@ -233,25 +294,73 @@ TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", 
     const rig::replay::CampaignTable table = ran.rebuilt();
     for (const auto& row : table.rows)
         for (const std::string& difference : row.differences) FAIL(difference);
-    const auto file = ran.file().parent_path() / "rebuilt.sqlite";
-    const auto old = rig::record::read_ledger(ran.file(), "night");
-    const rig::record::Campaign campaign = rig::record::read_campaigns(ran.file()).front();
-    rig::replay::write_ledger(file, campaign, table, old);
-    const auto rows = rig::record::read_ledger(file, "night");
-    REQUIRE(rows.size() == old.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        CAPTURE(i);
-        CHECK(rows[i].state == old[i].state);
-        CHECK(rows[i].attempt.folder == old[i].attempt.folder);
-        CHECK(rows[i].summary.outcome == old[i].summary.outcome);
-        CHECK(rows[i].summary.warnings == old[i].summary.warnings);
-        CHECK(rows[i].health.reason == old[i].health.reason);
-        CHECK(rows[i].amendments.size() == old[i].amendments.size());
-        CHECK(rows[i].summary.cumulative_energy_J == Approx(old[i].summary.cumulative_energy_J).epsilon(1e-12));
-        for (const rig::record::FigureField& field : rig::record::kFigureFields)
-            CHECK(rows[i].summary.figures.*field.value == old[i].summary.figures.*field.value);
+    const auto old = ran.rows();
+    ran.write(table, old);
+    const auto rows = ran.new_rows();
+    check_same(rows, old);
+    for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i].summary.warnings == old[i].summary.warnings);
+    CHECK(ran.new_files() == std::vector<std::string>{"rebuilt.sqlite"});
+    CHECK_THROWS_WITH(ran.write(table, old), ContainsSubstring("is there already"));
+}
+
+TEST_CASE("a ledger that cannot be rebuilt whole is not there at all", "[BRG-261]") {
+    const Ran ran;
+    const rig::replay::CampaignTable table = ran.rebuilt();
+    const auto old = ran.rows();
+    auto with_bad_note = old;
+    with_bad_note.back().notes.push_back({.field = "colour", .text = "red", .who = "A. Rossi", .made = "t"});
+    CHECK_THROWS_WITH(ran.write(table, with_bad_note), ContainsSubstring("rebuilt.sqlite") && ContainsSubstring("colour"));
+    CHECK(ran.new_files().empty());
+    // A disk that is full at any point.
+    std::size_t failed = 0;
+    for (rlim_t bytes = 0; bytes < 400'000; bytes += 4096) {
+        CAPTURE(bytes);
+        std::string said;
+        try {
+            const FullDisk disk(bytes);
+            ran.write(table, old);
+        } catch (const std::exception& error) {
+            said = error.what();
+        }
+        if (said.empty()) break;
+        ++failed;
+        CHECK_THAT(said, ContainsSubstring("rebuilt.sqlite"));
+        CHECK(ran.new_files().empty());
     }
-    CHECK_THROWS_WITH(rig::replay::write_ledger(file, campaign, table, old), ContainsSubstring("is there already"));
+    CHECK(failed > 3);
+    check_same(ran.new_rows(), old);
+    // What a killed rebuild left is not in the way.
+    std::filesystem::remove(ran.new_file());
+    for (const char* const end : {".part", ".part-journal", ".part-held"}) std::ofstream(ran.new_file().string() + end) << "half";
+    ran.write(table, old);
+    check_same(ran.new_rows(), old);
+    CHECK(ran.new_files() == std::vector<std::string>{"rebuilt.sqlite"});
+}
+
+TEST_CASE("an attempt that never had a folder keeps its amendment and its notes in a rebuilt ledger", "[BRG-261]") {
+    const Ran ran;
+    {
+        rig::record::Ledger ledger(ran.file());
+        ledger.choose("night");
+        (void)ledger.begin(4, "then", {}, {.disc = "D9"});
+        ledger.mark_unfinished();
+        ledger.amend(4, 1, {.counted_J = 0.5e6, .who = "A. Rossi", .made = "t", .why = "by the speeds"});
+        (void)ledger.begin(4, "later");
+        ledger.mark_unfinished();
+        ledger.note(4, 2, {.field = "lining_worn", .text = "0.25", .who = "A. Rossi", .made = "t"});
+    }
+    CHECK(ran.rebuilt().different() == 0);
+    ran.write();
+    check_same(ran.new_rows(), ran.rows());
+}
+
+TEST_CASE("two folders of the same attempt are refused, both by name", "[BRG-340]") {
+    const Ran ran;
+    std::filesystem::copy(ran.folder() / "0001", ran.folder() / "1", std::filesystem::copy_options::recursive);
+    CHECK_THROWS_WITH(ran.rebuilt(), ContainsSubstring("night/1 ") && ContainsSubstring("night/0001 ") && ContainsSubstring("maneuver 1"));
+    std::filesystem::remove_all(ran.folder() / "1");
+    std::filesystem::copy(ran.folder() / "0002.2", ran.folder() / "2.02", std::filesystem::copy_options::recursive);
+    CHECK_THROWS_WITH(ran.rebuilt(), ContainsSubstring("night/2.02 ") && ContainsSubstring("night/0002.2 "));
 }
 
 TEST_CASE("an unfinished attempt whose log was never metered is where a ledger differs from its folders", "[BRG-261]") {
@@ -300,8 +409,75 @@ TEST_CASE("folders and ledger that do not belong together are told", "[BRG-340]"
     CHECK_THAT(said, ContainsSubstring("in the ledger, but the folder is not there"));
     CHECK_THAT(said, ContainsSubstring("the ledger has no such attempt"));
     CHECK_THAT(said, ContainsSubstring("neither bus.log nor bus.log.gz"));
+    ran.write();
+    check_same(ran.new_rows(), ran.rows());
     CHECK_THROWS_WITH(rig::replay::maneuver_folders(ran.folder() / "0001"), ContainsSubstring("holds no maneuvers"));
     CHECK_THROWS_WITH(rig::replay::maneuver_folders("/nowhere"), ContainsSubstring("is no directory"));
+}
+
+TEST_CASE("what is known of a maneuver whose log or folder is lost stays in the table and in a rebuilt ledger", "[BRG-340]") {
+    const Ran ran({.disc = "D7"});
+    {
+        rig::record::Ledger ledger(ran.file());
+        ledger.choose("night");
+        ledger.judge(2, {rig::record::HealthState::suspect, 0.5, "friction falls", "f00d"});
+        ledger.note(2, 3, {.field = "lining_worn", .text = "0.25", .who = "A. Rossi", .made = "t"});
+        ledger.note(3, 1, {.field = "disc_serial", .text = "D8", .who = "A. Rossi", .made = "t"});
+    }
+    const auto whole = ran.rows();
+    const auto lost = [&](const std::string& what, std::size_t row, const std::string& of) {
+        CAPTURE(what);
+        const auto aside = ran.folder().parent_path() / "aside";
+        std::filesystem::rename(ran.folder() / what, aside);
+        const rig::replay::CampaignTable table = ran.rebuilt();
+        CHECK(table.different() == 1);
+        REQUIRE(table.rows.size() == 5);
+        CHECK(table.counted() == 5);
+        for (std::size_t i = 0; i < 5; ++i) {
+            CHECK(table.rows[i].folder.number == whole[i].attempt.number);
+            CHECK(table.rows[i].folder.attempt == whole[i].attempt.attempt);
+            CHECK(table.rows[i].summary.cumulative_energy_J == whole[i].summary.cumulative_energy_J);
+        }
+        CHECK(table.rows[row].differences.size() == 1);
+        CHECK_THAT(to_text(table), ContainsSubstring("log_missing: its figures are those of " + of));
+        CHECK(replay_test::lines_of(rig::replay::to_csv(table)).size() == 6);
+        // From the new ledger the same once more, and not twice said.
+        ran.write(table, whole);
+        const auto rows = ran.new_rows();
+        check_same(rows, whole);
+        for (std::size_t i = 0; i < 5; ++i)
+            CHECK(std::count_if(rows[i].summary.warnings.begin(), rows[i].summary.warnings.end(),
+                                [](const auto& text) { return text.starts_with("log_missing"); }) == (i == row ? 1 : 0));
+        const rig::replay::CampaignTable again = ran.rebuilt(ran.new_file());
+        CHECK(again.different() == 1);
+        CHECK(again.rows[row].differences.size() == 1);
+        CHECK(again.rows[row].summary.warnings == rows[row].summary.warnings);
+        std::filesystem::remove(ran.new_file());
+        std::filesystem::rename(aside, ran.folder() / what);
+    };
+    lost("0001/bus.log", 0, "summary.json");
+    lost("0002", 1, "the ledger");
+    lost("0002.2", 2, "the ledger");
+    lost("0002.2/bus.log", 2, "the ledger");
+    lost("0002.3", 3, "the ledger");
+    lost("0003/bus.log.gz", 4, "summary.json");
+    lost("0003", 4, "the ledger");
+    // A log that has lost every line is none.
+    {
+        auto summary = rig::record::read_summary(ran.folder() / "0001/summary.json");
+        summary.frames = 7;
+        rig::record::write_summary(ran.folder() / "0001/summary.json", summary);
+        std::filesystem::resize_file(ran.folder() / "0001/bus.log", 0);
+    }
+    CHECK(ran.rebuilt().rows[0].summary.figures.energy_brake_J == whole[0].summary.figures.energy_brake_J);
+    // Of a maneuver that the ledger has as finished its end is known without a summary, too.
+    std::filesystem::remove(ran.folder() / "0003/summary.json");
+    CHECK_THAT(to_text(ran.rebuilt()), ContainsSubstring("has no summary.json, but finished in the ledger"));
+    ran.write();
+    check_same(ran.new_rows(), whole);
+    // Without a ledger there is nothing else to go by.
+    CHECK(ran.rebuilt({}).rows[0].summary.figures.energy_brake_J == whole[0].summary.figures.energy_brake_J);
+    CHECK_THAT(to_text(ran.rebuilt({})), ContainsSubstring("log_missing: its figures are those of summary.json"));
 }
 
 TEST_CASE("the exported table has the specimen of each maneuver as noted, and counts energy disc by disc", "[BRG-270]") {
