@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -108,6 +109,35 @@ class RollingSurvey {
     std::uint64_t count_ = 0;
 };
 
+/// The field that carries the channel in our log; null: it is told by edges.
+const antiskid::can::Signal* field_of(const antiskid::can::Layout& layout, Channel channel) {
+    switch (channel) {
+        case Channel::pressure:
+            return &layout.pressure_Pa;
+        case Channel::vertical_load:
+            return &layout.load_cells.vertical_N;
+        case Channel::longitudinal_force:
+            return &layout.load_cells.longitudinal_N;
+        case Channel::brake_torque:
+            return &layout.load_cells.brake_torque_Nm;
+        default:
+            return nullptr;
+    }
+}
+
+/// A value beyond its field would be written as the field's end, and the figures would be those of another brake.
+void check_fits(const ImportSettings& settings, const ImportColumn& column, Channel channel, double value) {
+    const antiskid::can::Signal* const field = field_of(settings.rig.layout, channel);
+    if (field == nullptr || !field->bound()) return;
+    const auto [min, max] = std::minmax({field->value(field->raw_min), field->value(field->raw_max)});
+    const double noise = 0.01 * (max - min);
+    if (value >= min - noise && value <= max + noise) return;
+    throw std::runtime_error(
+        fmt::format("{}: column '{}' ({}) has {:g} (SI), but its field in the layout goes from {:g} to {:g}; expected a layout "
+                    "with a wider field (--dbc, --binding)",
+                    settings.file.string(), column.column, name(channel), value, min, max));
+}
+
 /// Throws std::runtime_error naming the column, its values and the likely unit.
 void survey_units(const ImportSettings& settings, ImportNotes& notes) {
     const ImportMap& map = settings.map;
@@ -115,6 +145,7 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
     const std::vector<Channel> channels = wanted_channels(map);
     const auto recording = open(settings, {});
     std::vector<ChannelSurvey> surveys;
+    std::vector<std::pair<double, double>> extremes(channels.size());  // of the plausible values, and 0
     compare_stated(*recording, map, 0, map.time, notes);
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const ImportColumn& column = column_of(map, channels[i]);
@@ -127,7 +158,8 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
         reading.row();
         rolling.add(row);
         for (std::size_t i = 0; i < channels.size(); ++i)
-            if (std::isfinite(row.values[i + 1])) surveys[i].add(row.values[i + 1]);
+            if (const double value = row.values[i + 1]; std::isfinite(value) && surveys[i].add(value))
+                extremes[i] = {std::min(extremes[i].first, value), std::max(extremes[i].second, value)};
     }
     for (std::size_t i = 0; i < channels.size(); ++i) {
         if (!surveys[i].wrong_unit()) continue;
@@ -138,6 +170,9 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
                                              likely.empty() ? "no unit of this quantity fits: is it another column?" : "likely unit: " + likely));
     }
     rolling.judge();
+    for (std::size_t i = 0; i < channels.size(); ++i)
+        for (const double recorded : {extremes[i].first, extremes[i].second})
+            check_fits(settings, column_of(map, channels[i]), channels[i], recorded * surveys[i].factor());
 }
 
 constexpr double kReleased_s = 0.5;

@@ -26,6 +26,7 @@ class ChannelSurvey {
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
     [[nodiscard]] std::uint64_t outside() const { return outside_; }
+    [[nodiscard]] double factor() const { return factor_; }
     [[nodiscard]] double lowest() const { return lowest_; }
     [[nodiscard]] double highest() const { return highest_; }
 

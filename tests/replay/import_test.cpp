@@ -281,3 +281,18 @@ TEST_CASE("what a log is says the file itself, plain or gzip", "[BRG-360]") {
     CHECK(rig::replay::log_format(dir.path()) == LogFormat::candump);
     CHECK(rig::replay::log_format(dir.path() / "none") == LogFormat::candump);
 }
+
+TEST_CASE("a load that the layout's field cannot carry is refused, not cut off at its end", "[BRG-350]") {
+    const TempDir dir;
+    const auto heavier = [](double times) {
+        std::string csv = kHead;
+        for (Row row : truth().rows) {
+            row.load_N *= times;
+            csv += csv_row(row, 0.0);
+        }
+        return csv;
+    };
+    CHECK_NOTHROW(Import(dir.write("heavy.csv", heavier(2.0)), example()));
+    CHECK_THROWS_WITH(Import(dir.write("heavier.csv", heavier(4.0)), example()),
+                      ContainsSubstring("column 'F_z'") && ContainsSubstring("goes from 0 to 65535") && ContainsSubstring("--dbc"));
+}
