@@ -70,6 +70,7 @@ class Rebuild {
     /// By number and attempt, those of the ledger that have no folder among them.
     [[nodiscard]] std::vector<One> attempts(const std::vector<ManeuverFolder>& folders) const {
         std::vector<One> all;
+        all.reserve(folders.size() + sources_.ledger.size());
         for (const ManeuverFolder& folder : folders) all.push_back({.folder = folder});
         for (const record::LedgerRow& row : sources_.ledger) {
             const auto same = [&](const ManeuverFolder& f) { return f.number == row.attempt.number && f.attempt == row.attempt.attempt; };
