@@ -60,7 +60,7 @@ wear::Campaign wear_of(const std::vector<LedgerRow>& rows, OutOfTolerance off) {
     wear::Campaign out;
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
-    std::size_t left_out = 0, of_others = 0;
+    std::size_t left_out = 0, of_others = 0, unbalanced = 0, without_energy = 0;
     bool other_disc = false;  // has worn the same lining
     record::DiscEnergy taken;
     double cumulative_J = 0.0;  // after an attempt without a record, less than one maneuver more
@@ -84,11 +84,21 @@ wear::Campaign wear_of(const std::vector<LedgerRow>& rows, OutOfTolerance off) {
             ++of_others;
             continue;
         }
+        if (record::unbalanced(row.summary) && row.amendments.empty()) {
+            ++unbalanced;
+            continue;
+        }
+        if (disc_J <= (out.points.empty() ? 0.0 : out.points.back().c_e_J)) {  // as amended
+            ++without_energy;
+            continue;
+        }
         const record::Figures& f = row.summary.figures;
         out.points.push_back({disc_J, f.mean_friction});
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
     if (left_out > 0) out.source += fmt::format(" ({} out of tolerance left out, --out-of-tolerance takes them)", left_out);
+    if (unbalanced > 0) out.source += fmt::format(" ({} unbalanced left out, until amended)", unbalanced);
+    if (without_energy > 0) out.source += fmt::format(" ({} that add no energy left out)", without_energy);
     if (of_others > 0) out.source += fmt::format(" (brake '{}', disc '{}'; {} maneuvers of others left out)", out.brake, out.disc, of_others);
     if (other_disc && !out.readings.empty()) {
         out.source += " (readings of the lining left out: another disc has worn it, too)";

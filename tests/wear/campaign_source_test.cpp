@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 
 #include "plant_sim/lab/campaign_options.hpp"
@@ -33,7 +34,7 @@ class Folder {
 };
 
 void enter(rig::record::Ledger& ledger, const std::string& campaign, std::int64_t number, const std::string& outcome, double c_e_J, double friction,
-           const std::vector<std::string>& out_of_tolerance = {}) {
+           const std::vector<std::string>& out_of_tolerance = {}, const std::vector<std::string>& warnings = {}) {
     (void)ledger.begin(number, "2026-01-01T00:00:00Z");
     rig::record::Summary s;
     s.campaign = campaign;
@@ -43,6 +44,7 @@ void enter(rig::record::Ledger& ledger, const std::string& campaign, std::int64_
     s.cumulative_energy_J = c_e_J;
     s.figures.mean_friction = friction;
     s.out_of_tolerance = out_of_tolerance;
+    s.warnings = warnings;
     ledger.finish(s);
 }
 
@@ -110,6 +112,36 @@ TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; th
     CHECK_THAT(all.source, !ContainsSubstring("left out"));
     CHECK(rig::replay::load_campaigns({folder.path()}).at(0).points == kept.points);
     CHECK(rig::replay::load_campaigns({folder.path()}, taken).at(0).points == all.points);
+}
+
+TEST_CASE("a maneuver whose energies do not balance is no point until it is amended, and blocks no other", "[WEAR-001][BRG-261]") {
+    const Folder folder("wear_unbalanced");
+    const auto ledger = [&] {
+        return std::make_unique<rig::record::Ledger>(folder / "campaign.sqlite", rig::record::LedgerOptions{.durable = false});
+    };
+    const auto amend = [&](std::int64_t number, double counted_J) {
+        const auto open = ledger();
+        open->choose("first");
+        open->amend(number, 1, {.counted_J = counted_J, .who = "Kim", .made = "t", .why = "its log"});
+    };
+    {
+        const auto open = ledger();
+        open->open_campaign(campaign("first"), rig::record::IfChanged::reject);
+        enter(*open, "first", 1, "finished", 0.0, 0.31, {}, {"energy_unbalanced: brake and tyre took 9 MJ of 1 MJ kinetic energy"});
+        enter(*open, "first", 2, "finished", 1.0e6, 0.30);
+        enter(*open, "first", 3, "finished", 1.0e6, 0.90, {}, {"energy_unbalanced: brake and tyre took 9 MJ of 1 MJ kinetic energy"});
+        enter(*open, "first", 4, "finished", 2.0e6, 0.28);
+    }
+    const wear::Campaign read = rig::replay::load_campaign(folder.path(), "");
+    CHECK(read.points == std::vector<wear::Point>{{1.0e6, 0.30}, {2.0e6, 0.28}});
+    CHECK(read.brakings.size() == 2);
+    CHECK_THAT(read.source, ContainsSubstring("(2 unbalanced left out, until amended)"));
+    amend(3, 0.9e6);
+    CHECK(rig::replay::load_campaign(folder.path(), "").points == std::vector<wear::Point>{{1.0e6, 0.30}, {1.9e6, 0.90}, {2.9e6, 0.28}});
+    amend(3, 0.0);
+    const wear::Campaign nothing = rig::replay::load_campaign(folder.path(), "");
+    CHECK(nothing.points == read.points);
+    CHECK_THAT(nothing.source, ContainsSubstring("(1 unbalanced left out, until amended)") && ContainsSubstring("(1 that add no energy left out)"));
 }
 
 TEST_CASE("what is no ledger is read as CSV", "[WEAR-001]") {
