@@ -47,7 +47,8 @@ struct Campaign {
 /// CSV with a header. Columns, in any order, others are passed over: `cumulative_energy_MJ` or `cumulative_energy_J` (one of them), and
 /// `mean_friction`. Where there are `brake_on_mps`, `mean_torque_Nm` and `mean_load_N`, all three and positive, too. Where there are `brake_serial`
 /// and `disc_serial`, each the same in all rows: wear of two discs is no campaign. `lining_worn` is a LiningReading after the maneuver, within
-/// -0.1 to 1.2, and empty where there is none. Empty lines and lines that begin with # are passed over, but for
+/// -0.1 to 1.2, and empty where there is none. Where there is `outcome`, only rows with `finished` that add energy are maneuvers; the others add
+/// their energy and readings, and their number stands in the source, but for those of `left_out`. Empty lines and lines that begin with # are passed over, but for
 /// `# origin: measured on rig 7` or `# origin: made up by ...`, which says where the campaign is from. At least two maneuvers; energy positive and
 /// strictly increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5, and not the same everywhere.
 /// Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
@@ -59,10 +60,10 @@ struct Campaign {
 /// The same checks for points from another source; errors name row i as line `first_line` + i of `campaign.source`.
 void check(const Campaign& campaign, unsigned first_line = 1);
 
-/// CSV that read_campaign() reads back to the last bit, but for readings that were not made after one of its maneuvers (in a ledger after an aborted
-/// one): such a reading stands at the next maneuver, the newest of several counts, and one after the last is left out. Columns: the origin where it
-/// is known, maneuver,mean_friction,brake_energy_J,cumulative_energy_J, the brakings and readings where there are some, and the serial numbers where
-/// they are known. The first maneuver's brake energy is left empty where energy was counted before it.
+/// CSV that read_campaign() reads back to the last bit. Columns: the origin where it is known, maneuver,mean_friction,brake_energy_J,
+/// cumulative_energy_J, the brakings and readings where there are some, and the serial numbers where they are known. The first maneuver's brake energy
+/// is left empty where energy was counted before it. A reading that was not made after one of the maneuvers (in a ledger after an aborted one) has a row
+/// of its own, and the last column is then `outcome`, `finished` or `left_out`.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 
 /// Hash of points and readings alone, independent of their source and other data.

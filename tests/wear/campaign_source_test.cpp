@@ -43,6 +43,9 @@ void enter(rig::record::Ledger& ledger, const std::string& campaign, std::int64_
     s.started = "2026-01-01T00:00:00Z";
     s.cumulative_energy_J = c_e_J;
     s.figures.mean_friction = friction;
+    s.figures.brake_on_mps = 54.0;
+    s.figures.mean_torque_Nm = 630.0;
+    s.figures.mean_load_N = 23500.0;
     s.out_of_tolerance = out_of_tolerance;
     s.warnings = warnings;
     ledger.finish(s);
@@ -78,6 +81,9 @@ TEST_CASE("a ledger is a campaign", "[WEAR-001]") {
     }
     const wear::Campaign by_file = rig::replay::load_campaign(folder / "campaign.sqlite", "");
     CHECK(by_file.readings == std::vector<wear::LiningReading>{{1.4e6, 0.1}, {2.4e6, 0.2}, {3.4e6, 0.3}});
+    const wear::Campaign by_csv = wear::parse_campaign("table.csv", wear::to_csv(by_file));
+    CHECK(by_csv.points == by_file.points);
+    CHECK(by_csv.readings == by_file.readings);
     REQUIRE(by_file.points.size() == 3);
     CHECK(by_file.points[0] == wear::Point{1.0e6, 0.31});
     // The aborted attempt is no point, but what it took is.
