@@ -71,24 +71,29 @@ wear::Campaign wear_of(const std::vector<LedgerRow>& rows, OutOfTolerance off) {
     for (const LedgerRow& row : rows) {
         const record::Specimen& parts = row.summary.specimen;
         other_disc = other_disc || (parts.brake == out.brake && parts.disc != out.disc);
-        if (row.has_figures) cumulative_J = row.summary.cumulative_energy_J;
-        const double disc_J = taken.after(parts, cumulative_J);
-        if (disc_J > 0.0 && std::isfinite(row.worn.lining) && parts.brake == out.brake && parts.disc == out.disc)
-            out.readings.push_back({disc_J, row.worn.lining});
+        const bool mine = parts.brake == out.brake && parts.disc == out.disc;
+        cumulative_J = row.has_figures ? row.summary.cumulative_energy_J : cumulative_J + row.counted_J;
+        const double disc_J = taken.after(parts, cumulative_J), own_J = disc_J - out.taken_J;
+        if (mine) out.taken_J = disc_J;
+        if (disc_J > 0.0 && std::isfinite(row.worn.lining) && mine) out.readings.push_back({disc_J, row.worn.lining});
         if (row.state != record::RowState::finished) continue;
+        const bool doubtful = record::unbalanced(row.summary) && row.amendments.empty();
+        constexpr double kRounded = 1e-9;  // of sums that were amended
+        const bool adds = own_J > kRounded * disc_J;
+        if (mine && adds && !doubtful) out.landings.push_back({disc_J, own_J});
         if (off == OutOfTolerance::left_out && record::off_conditions(row.summary)) {
             ++left_out;
             continue;
         }
-        if (parts.brake != out.brake || parts.disc != out.disc) {
+        if (!mine) {
             ++of_others;
             continue;
         }
-        if (record::unbalanced(row.summary) && row.amendments.empty()) {
+        if (doubtful) {
             ++unbalanced;
             continue;
         }
-        if (disc_J <= (out.points.empty() ? 0.0 : out.points.back().c_e_J)) {  // as amended
+        if (!adds) {
             ++without_energy;
             continue;
         }

@@ -31,8 +31,10 @@ constexpr std::string_view kEnergyMJ = "cumulative_energy_MJ";
 constexpr std::string_view kEnergyJ = "cumulative_energy_J";
 constexpr std::string_view kFriction = "mean_friction";
 constexpr std::string_view kLining = "lining_worn";
+constexpr std::string_view kBrakeEnergy = "brake_energy_J";
 constexpr std::string_view kOutcome = "outcome";
 constexpr std::string_view kFinished = "finished";
+constexpr std::string_view kOutOfTolerance = "out_of_tolerance";
 constexpr std::string_view kLeftOut = "left_out";
 
 struct BrakingColumn {
@@ -50,7 +52,7 @@ struct Columns {
     std::string_view energy_name = kEnergyJ;
     std::optional<std::array<std::size_t, kBraking.size()>> braking;
     std::array<std::optional<std::size_t>, 2> parts;  ///< in the order of kPartColumns
-    std::optional<std::size_t> lining, outcome;
+    std::optional<std::size_t> lining, outcome, brake_energy;
 };
 
 struct PartColumn {
@@ -96,6 +98,7 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
     for (std::size_t i = 0; i < kPartColumns.size(); ++i) c.parts[i] = find(header, kPartColumns[i].name, file, line);
     c.lining = find(header, kLining, file, line);
     c.outcome = find(header, kOutcome, file, line);
+    c.brake_energy = find(header, kBrakeEnergy, file, line);
     std::array<std::size_t, kBraking.size()> braking{};
     for (std::size_t i = 0; i < kBraking.size(); ++i) {
         const auto at = find(header, kBraking[i].name, file, line);
@@ -194,19 +197,25 @@ class Parser {
                                     fields.size(), columns_->count));
         take_parts(campaign_, !before_J_, line, *columns_, fields);
         const double c_e_J = csv_number(name_, line, columns_->energy_name, fields[columns_->energy]) * columns_->energy_unit_J;
-        if (is_point(line, fields, c_e_J)) take_point(line, fields, c_e_J);
+        const bool point = is_point(line, fields, c_e_J);
+        if (point) take_point(line, fields, c_e_J);
+        if (point || (columns_->outcome && fields[*columns_->outcome] == kOutOfTolerance)) take_landing(line, fields, c_e_J);
         if (columns_->lining && !fields[*columns_->lining].empty() && c_e_J > 0.0) {
             campaign_.readings.push_back({c_e_J, csv_number(name_, line, kLining, fields[*columns_->lining])});
             check_reading(name_, line, campaign_.readings.back());
         }
-        before_J_ = c_e_J;
+        before_J_ = campaign_.taken_J = c_e_J;
     }
 
     [[nodiscard]] Campaign campaign() && {
         if (!columns_) throw Error(name_, 0, "", "empty: no header and no maneuver");
         if (not_finished_ > 0) campaign_.source += fmt::format(" ({} not finished left out)", not_finished_);
+        if (out_of_tolerance_ > 0) campaign_.source += fmt::format(" ({} out of tolerance left out)", out_of_tolerance_);
         if (without_energy_ > 0) campaign_.source += fmt::format(" ({} that add no energy left out)", without_energy_);
         check(campaign_);
+        const double first_J = brake_energy_J(campaign_, 0), c_e_J = campaign_.points.front().c_e_J;
+        std::vector<LandingEnergy>& landings = campaign_.landings;
+        if (!std::isnan(first_J) && (landings.empty() || landings.front().c_e_J > c_e_J)) landings.insert(landings.begin(), {c_e_J, first_J});
         return std::move(campaign_);
     }
 
@@ -221,7 +230,8 @@ class Parser {
         if (before_J_) check_step(name_, line, step_J);
         if (outcome == kFinished && step_J > 0.0) return true;
         if (outcome == kFinished) ++without_energy_;
-        if (outcome != kFinished && outcome != kLeftOut) ++not_finished_;
+        if (outcome == kOutOfTolerance) ++out_of_tolerance_;
+        if (outcome != kFinished && outcome != kOutOfTolerance && outcome != kLeftOut) ++not_finished_;
         return false;
     }
 
@@ -232,31 +242,57 @@ class Parser {
         if (columns_->braking) campaign_.brakings.push_back(braking_of(name_, line, *columns_, fields));
     }
 
+    void take_landing(unsigned line, const std::vector<std::string_view>& fields, double c_e_J) {
+        const double step_J = c_e_J - before_J_.value_or(0.0);
+        if (columns_->brake_energy && !fields[*columns_->brake_energy].empty()) {
+            constexpr double kRounded = 1.001;
+            const double rise_J = c_e_J - landed_J_;
+            const double energy_J = csv_number(name_, line, kBrakeEnergy, fields[*columns_->brake_energy]);
+            if (!(energy_J > 0.0 && energy_J <= kRounded * rise_J))
+                throw Error(name_, line, std::string(kBrakeEnergy), fmt::format("{} J, but the cumulative energy rises by {} J", energy_J, rise_J));
+            campaign_.landings.push_back({c_e_J, energy_J});
+        } else if (before_J_ && step_J > 0.0) {
+            campaign_.landings.push_back({c_e_J, step_J});
+        }
+        landed_J_ = c_e_J;
+    }
+
     std::string name_;
     Campaign campaign_;
     std::optional<Columns> columns_;
     std::optional<double> before_J_;  ///< energy after the row before
-    std::size_t not_finished_ = 0, without_energy_ = 0;
+    double landed_J_ = 0.0;           ///< energy after the landing before
+    std::size_t not_finished_ = 0, out_of_tolerance_ = 0, without_energy_ = 0;
 };
 
 /// A row of the written table.
 struct Row {
     double c_e_J = 0.0;
     std::optional<std::size_t> point{};
+    double energy_J = std::numeric_limits<double>::quiet_NaN();  ///< of a landing
     std::optional<double> worn{};
 };
 
-/// Points, and rows of their own for the readings that were not made after one of them, or are not the only one there.
+/// Points, and rows of their own for other landings, for the readings that were not made after one of them or are not the only one there, and for what
+/// was taken since.
 std::vector<Row> rows_of(const Campaign& campaign) {
     std::vector<Row> rows;
-    for (std::size_t i = 0; i < campaign.points.size(); ++i) rows.push_back({campaign.points[i].c_e_J, i});
+    for (std::size_t i = 0; i < campaign.points.size(); ++i) rows.push_back({campaign.points[i].c_e_J, i, brake_energy_J(campaign, i)});
+    const auto first_after = [&](double energy_J) {
+        return std::upper_bound(rows.begin(), rows.end(), energy_J, [](double c_e_J, const Row& row) { return c_e_J < row.c_e_J; });
+    };
+    for (const LandingEnergy& landing : campaign.landings) {
+        const auto after = first_after(landing.c_e_J);
+        if (after == rows.begin() || std::prev(after)->c_e_J != landing.c_e_J) rows.insert(after, {landing.c_e_J, std::nullopt, landing.energy_J});
+    }
     for (const LiningReading& reading : campaign.readings) {
-        const auto after = std::upper_bound(rows.begin(), rows.end(), reading.c_e_J, [](double c_e_J, const Row& row) { return c_e_J < row.c_e_J; });
+        const auto after = first_after(reading.c_e_J);
         if (after != rows.begin() && std::prev(after)->c_e_J == reading.c_e_J && !std::prev(after)->worn)
             std::prev(after)->worn = reading.worn;
         else
-            rows.insert(after, {reading.c_e_J, std::nullopt, reading.worn});
+            rows.insert(after, {.c_e_J = reading.c_e_J, .worn = reading.worn});
     }
+    if (!rows.empty() && campaign.taken_J > rows.back().c_e_J) rows.push_back({campaign.taken_J});
     return rows;
 }
 
@@ -298,15 +334,22 @@ Campaign read_campaign(const std::filesystem::path& csv) {
 
 double brake_energy_J(const Campaign& campaign, std::size_t i) {
     const std::vector<Point>& p = campaign.points;
+    const auto landing = std::lower_bound(campaign.landings.begin(), campaign.landings.end(), p[i].c_e_J,
+                                          [](const LandingEnergy& one, double c_e_J) { return one.c_e_J < c_e_J; });
+    if (landing != campaign.landings.end() && landing->c_e_J == p[i].c_e_J) return landing->energy_J;
     if (i > 0) return p[i].c_e_J - p[i - 1].c_e_J;
     const double mean_step_J = (p.back().c_e_J - p.front().c_e_J) / static_cast<double>(p.size() - 1);
     return p[0].c_e_J <= 1.5 * mean_step_J ? p[0].c_e_J : std::numeric_limits<double>::quiet_NaN();
 }
 
 double taken_before_J(const Campaign& campaign) {
-    if (!std::isnan(brake_energy_J(campaign, 0))) return 0.0;
     const std::vector<Point>& p = campaign.points;
+    if (const double first_J = brake_energy_J(campaign, 0); !std::isnan(first_J)) return std::max(0.0, p.front().c_e_J - first_J);
     return p.front().c_e_J - (p.back().c_e_J - p.front().c_e_J) / static_cast<double>(p.size() - 1);
+}
+
+double taken_now_J(const Campaign& campaign) {
+    return std::max(campaign.points.back().c_e_J, campaign.taken_J);
 }
 
 std::string to_csv(const Campaign& campaign) {
@@ -324,14 +367,8 @@ std::string to_csv(const Campaign& campaign) {
     if (outcomes) csv.append(",").append(kOutcome);
     csv += "\n";
     for (const Row& row : rows) {
-        if (row.point) {
-            const double energy_J = brake_energy_J(campaign, *row.point);
-            fmt::format_to(std::back_inserter(csv), "{},{},{}", *row.point + 1, campaign.points[*row.point].mean_friction,
-                           std::isnan(energy_J) ? std::string() : fmt::format("{}", energy_J));
-        } else {
-            csv += ",,";
-        }
-        fmt::format_to(std::back_inserter(csv), ",{}", row.c_e_J);
+        csv += row.point ? fmt::format("{},{}", *row.point + 1, campaign.points[*row.point].mean_friction) : std::string(",");
+        fmt::format_to(std::back_inserter(csv), ",{},{}", std::isnan(row.energy_J) ? std::string() : fmt::format("{}", row.energy_J), row.c_e_J);
         if (brakings) {
             for (const BrakingColumn& column : kBraking)
                 csv += row.point ? fmt::format(",{}", campaign.brakings[*row.point].*column.value) : std::string(",");
@@ -339,7 +376,7 @@ std::string to_csv(const Campaign& campaign) {
         for (const PartColumn& part : kPartColumns)
             if (!(campaign.*part.value).empty()) csv.append(",").append(settings::csv_field(campaign.*part.value));
         if (!campaign.readings.empty()) csv += row.worn ? fmt::format(",{}", *row.worn) : std::string(",");
-        if (outcomes) csv.append(",").append(row.point ? kFinished : kLeftOut);
+        if (outcomes) csv.append(",").append(row.point ? kFinished : std::isnan(row.energy_J) ? kLeftOut : kOutOfTolerance);
         csv += "\n";
     }
     return csv;

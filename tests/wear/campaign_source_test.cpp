@@ -8,8 +8,10 @@
 #include <string>
 
 #include "plant_sim/lab/campaign_options.hpp"
+#include "plant_sim/wear/forecast_request.hpp"
 #include "plant_sim/wear/landing_mix.hpp"
 #include "rig_bridge/record/ledger.hpp"
+#include "rig_bridge/wear/population_io.hpp"
 #include "tests/catch.hpp"
 
 namespace {
@@ -148,6 +150,56 @@ TEST_CASE("a maneuver whose energies do not balance is no point until it is amen
     const wear::Campaign nothing = rig::replay::load_campaign(folder.path(), "");
     CHECK(nothing.points == read.points);
     CHECK_THAT(nothing.source, ContainsSubstring("(1 unbalanced left out, until amended)") && ContainsSubstring("(1 that add no energy left out)"));
+}
+
+TEST_CASE("what is left out changes neither the energy of the landings to come nor that taken so far", "[WEAR-001][WEAR-050]") {
+    const auto by = wear::read_population("config/wear/population.json");
+    const auto forecast_of = [&](const wear::Campaign& c, const std::string& method) {
+        wear::ForecastRequest request;
+        request.limit = 0.2;
+        request.draws = 100;
+        request.method = method;
+        return wear::answer(request, wear::resolved(request), by, c);
+    };
+    enum class Marked : std::uint8_t { none, every_second, newest, newest_aborted, unbalanced };
+    for (const Marked marked : {Marked::none, Marked::every_second, Marked::newest, Marked::newest_aborted, Marked::unbalanced}) {
+        const Folder folder("wear_left_out");
+        {
+            rig::record::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
+            rig::record::Campaign c = campaign("first");
+            c.planned = 50;
+            c.specimen.disc = "D7";  // another disc's energy is not this one's
+            ledger.open_campaign(c, rig::record::IfChanged::reject);
+            enter(ledger, "first", 1, "finished", 9e6, 0.31);
+            c.specimen.disc = "D8";
+            ledger.open_campaign(c, rig::record::IfChanged::go_on);
+            for (int i = 1; i <= 24; ++i) {
+                const bool newest = i > 18;
+                const bool off = (marked == Marked::every_second && i % 2 == 0) || (marked == Marked::newest && newest);
+                const bool aborted = marked == Marked::newest_aborted && newest;
+                enter(ledger, "first", aborted ? 20 : 1 + i, aborted ? "load lost" : "finished", 9e6 + i * 1e6, 0.31 - i * 0.0005,
+                      off ? std::vector<std::string>{"length_m"} : std::vector<std::string>{});
+            }
+            if (marked == Marked::unbalanced) enter(ledger, "first", 26, "finished", 33e6, 0.3, {}, {"energy_unbalanced: 9 MJ of 1 MJ"});
+        }
+        const wear::Campaign read = rig::replay::load_campaign(folder.path(), "");
+        const wear::Campaign by_csv = wear::parse_campaign("table.csv", wear::to_csv(read));
+        CHECK(by_csv.points == read.points);
+        CHECK(by_csv.landings == read.landings);
+        for (const wear::Campaign& c : {read, by_csv}) {
+            CAPTURE(static_cast<int>(marked), c.source);
+            CHECK(c.points.size() == (marked == Marked::every_second ? 12 : marked == Marked::newest || marked == Marked::newest_aborted ? 18 : 24));
+            CHECK(wear::taken_now_J(c) == 24e6);
+            CHECK(wear::taken_before_J(c) == 0.0);
+            for (std::size_t i = 0; i < c.points.size(); ++i) CHECK(wear::brake_energy_J(c, i) == 1e6);
+            for (const std::string method : {"shipped", "filter"}) {
+                const wear::ForecastAnswer answer = forecast_of(c, method);
+                CHECK(answer.mix.at(0).energy_J == 1e6);
+                CHECK(answer.mix.at(0).deviation_J == 0.0);
+                CHECK(answer.forecast.c_e_J == 24e6);
+            }
+        }
+    }
 }
 
 TEST_CASE("what is no ledger is read as CSV", "[WEAR-001]") {

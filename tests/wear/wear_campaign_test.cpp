@@ -113,6 +113,22 @@ TEST_CASE("of a table with outcomes only finished maneuvers are points", "[WEAR-
     CHECK_THAT(rejection(head + "1,aborted,1e6,0.31,54,630,23500,D7,\n2,aborted,2e6,0.3,0,0,0,D7,\n"), ContainsSubstring("no maneuver"));
 }
 
+TEST_CASE("a landing has its own energy, whatever was taken between the rows", "[WEAR-001]") {
+    const std::string head = "cumulative_energy_MJ,mean_friction,brake_energy_J,outcome\n";
+    const wear::Campaign c =
+        parse_campaign("c", head + "5,0.3,1e6,finished\n7,0.29,1.1e6,finished\n8,,1e6,out_of_tolerance\n8.5,,,aborted\n9.5,0.28,,finished\n");
+    CHECK(c.landings == std::vector<wear::LandingEnergy>{{5e6, 1e6}, {7e6, 1.1e6}, {8e6, 1e6}, {9.5e6, 1e6}});
+    CHECK(c.source == "c (1 not finished left out) (1 out of tolerance left out)");
+    CHECK(wear::brake_energy_J(c, 1) == 1.1e6);
+    CHECK(wear::taken_before_J(c) == 4e6);
+    CHECK(wear::taken_now_J(c) == 9.5e6);
+    CHECK(parse_campaign("c", wear::to_csv(c)).landings == c.landings);
+    const std::string of_two = head + "5,0.3,1e6,finished\n";
+    for (const char* const energy : {"1.01e6", "0", "-1", "nan"})
+        CHECK_THAT(rejection(of_two + "6,0.29," + energy + ",finished\n"), ContainsSubstring("data.csv:3: brake_energy_J: "));
+    CHECK(rejection(of_two + "6,0.29,1000100,finished\n") == "accepted");  // rounded
+}
+
 TEST_CASE("energy that was counted before the first maneuver is not that maneuver's", "[WEAR-001]") {
     const wear::Campaign c = parse_campaign("c", "cumulative_energy_MJ,mean_friction\n100,0.3\n101,0.29\n102,0.28\n");
     CHECK(std::isnan(wear::brake_energy_J(c, 0)));
