@@ -273,8 +273,8 @@ struct Row {
     std::optional<double> worn{};
 };
 
-/// Points, and rows of their own for other landings, for the readings that were not made after one of them or are not the only one there, and for what
-/// was taken since.
+/// Points, and rows of their own for other landings, for the readings that were not made after one of them or are not the only one there, and for
+/// what was taken since.
 std::vector<Row> rows_of(const Campaign& campaign) {
     std::vector<Row> rows;
     for (std::size_t i = 0; i < campaign.points.size(); ++i) rows.push_back({campaign.points[i].c_e_J, i, brake_energy_J(campaign, i)});
