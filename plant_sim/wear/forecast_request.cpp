@@ -54,8 +54,8 @@ ForecastAnswer answer(const ForecastRequest& request, ResolvedRequest resolved, 
     LandingsForecast brake(by.population);
     const std::size_t n = campaign.points.size();
     brake.learn(campaign, request.last == 0 || request.last >= n ? 0 : n - request.last);
-    const Forecast f = request.method == "filter" ? forecast(brake.filter(), campaign.points.back().c_e_J, mix, resolved.settings)
-                                                  : brake.forecast(mix, resolved.settings);
+    const Forecast f =
+        request.method == "filter" ? forecast(brake.filter(), taken_now_J(campaign), mix, resolved.settings) : brake.forecast(mix, resolved.settings);
     Json json = json_head(resolved, by);
     json["data_hash"] = data_hash(campaign);
     json["maneuvers"] = n;

@@ -1,7 +1,10 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <optional>
+#include <string>
 
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
@@ -11,16 +14,41 @@
 
 namespace rig::bridge {
 
+namespace {
+
+/// `wanted`, or the only attempt at the maneuver: an energy or a reading at the wrong one of several would count there.
+std::int64_t chosen_attempt(const std::filesystem::path& ledger, const std::string& campaign, std::int64_t number,
+                            std::optional<std::int64_t> wanted) {
+    if (wanted) return *wanted;
+    std::string all;
+    std::int64_t only = 0;
+    int count = 0;
+    for (const record::LedgerRow& row : record::read_ledger(ledger, campaign)) {
+        if (row.attempt.number != number) continue;
+        only = row.attempt.attempt;
+        ++count;
+        const bool aborted = row.state == record::RowState::aborted;
+        all += fmt::format("{}{} {}{}", all.empty() ? "" : ", ", only, name(row.state), aborted ? " (" + row.summary.outcome + ")" : std::string());
+    }
+    if (count == 0) throw settings::Error(ledger.string(), 0, "--maneuver", fmt::format("{} is not in campaign '{}'", number, campaign));
+    if (count > 1)
+        throw settings::Error(ledger.string(), 0, "--maneuver", fmt::format("{} has {} attempts; choose one with --attempt: {}", number, count, all));
+    return only;
+}
+
+}  // namespace
+
 int amend_ledger(const AmendCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
     const std::string campaign = replay::chosen_campaign(file, command.campaign);
+    const std::int64_t attempt = chosen_attempt(file, campaign, command.number, command.attempt);
     record::Ledger ledger(file);
     ledger.choose(campaign);
     const double before_J = ledger.cumulative_energy_J();
-    ledger.amend(command.number, command.attempt,
+    ledger.amend(command.number, attempt,
                  {.counted_J = command.energy_MJ * 1e6, .who = command.who, .made = iso_8601(std::chrono::system_clock::now()), .why = command.why});
-    fmt::print("campaign {}: maneuver {}, attempt {} counts {:.6g} MJ; {:.6g} MJ in all, before {:.6g} MJ\n", campaign, command.number,
-               command.attempt, command.energy_MJ, ledger.cumulative_energy_J() * 1e-6, before_J * 1e-6);
+    fmt::print("campaign {}: maneuver {}, attempt {} counts {:.6g} MJ; {:.6g} MJ in all, before {:.6g} MJ\n", campaign, command.number, attempt,
+               command.energy_MJ, ledger.cumulative_energy_J() * 1e-6, before_J * 1e-6);
     return 0;
 }
 
@@ -29,10 +57,7 @@ int note_in_ledger(const NoteCommand& command) {
     const std::string campaign = replay::chosen_campaign(file, command.campaign);
     const std::string now = iso_8601(std::chrono::system_clock::now());
     std::string said = to_text(command.said);
-    std::int64_t attempt = command.attempt.value_or(1);
-    if (!command.attempt)
-        for (const record::LedgerRow& row : record::read_ledger(file, campaign))
-            if (row.attempt.number == command.number) attempt = row.attempt.attempt;
+    const std::int64_t attempt = chosen_attempt(file, campaign, command.number, command.attempt);
     record::Ledger ledger(file);
     ledger.choose(campaign);
     record::check_texts(command.said);

@@ -1,6 +1,7 @@
 #include "rig_bridge/bridge/options.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "firmware/host/settings/command_line.hpp"
@@ -178,7 +179,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
         ledger->add_subcommand("amend", "what a maneuver adds to the cumulative energy; a row of its own, nothing is overwritten");
     campaign_directory(*amend, amendment.directory);
     amend->add_option("--maneuver", amendment.number, "its number")->required()->check(CLI::PositiveNumber);
-    amend->add_option("--attempt", amendment.attempt, "which attempt at it")->check(CLI::PositiveNumber)->capture_default_str();
+    amend->add_option("--attempt", amendment.attempt, "which attempt at it, where there are several")->check(CLI::PositiveNumber);
     amend->add_option("--energy-MJ", amendment.energy_MJ, "brake energy that counts")->required()->check(CLI::Range(0.0, 1e6));
     amend->add_option("--who", amendment.who, "who says so")->required();
     amend->add_option("--why", amendment.why, "and why")->required();
@@ -188,7 +189,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
         ledger->add_subcommand("note", "serial numbers, operator, notes, or the wear that was read after a maneuver; nothing is overwritten");
     campaign_directory(*note, noted.directory);
     note->add_option("--maneuver", noted.number, "its number")->required()->check(CLI::PositiveNumber);
-    note->add_option("--attempt", noted.attempt, "which attempt at it, by default the newest")->check(CLI::PositiveNumber);
+    note->add_option("--attempt", noted.attempt, "which attempt at it, where there are several")->check(CLI::PositiveNumber);
     note->add_option("--who", noted.who, "who says so")->required();
     note->add_option("--campaign", noted.campaign, "where the ledger has several");
     record::add_specimen_options(*note, noted.said, "");
@@ -197,7 +198,10 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     for (CLI::App* const verb : {one, many, before, state, look, hold, go, ledger, amend, note}) verb->footer(kFooter);
     if (const auto mistake = settings::parse(app, argc, argv)) return *mistake;
     if (state->parsed()) return BridgeCommand{status};
-    if (amend->parsed()) return BridgeCommand{amendment};
+    if (amend->parsed()) {
+        if (!std::isfinite(amendment.energy_MJ)) throw std::invalid_argument("--energy-MJ must be a number from 0 to 1e6");  // nan is in any range
+        return BridgeCommand{amendment};
+    }
     if (note->parsed()) {
         for (std::size_t i = 0; i < noted.worn.size(); ++i)
             if (!noted.worn.at(i).empty()) (void)record::worn_share(record::kWearReadingFields.at(i).option, noted.worn.at(i));

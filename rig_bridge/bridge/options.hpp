@@ -68,7 +68,7 @@ struct AmendCommand {
     std::filesystem::path directory;
     std::string campaign;  ///< empty: the only one
     std::int64_t number = 0;
-    std::int64_t attempt = 1;
+    std::optional<std::int64_t> attempt;  ///< none: the only one
     double energy_MJ = 0.0;
     std::string who, why;
 };
@@ -77,7 +77,7 @@ struct NoteCommand {
     std::filesystem::path directory;
     std::string campaign;  ///< empty: the only one
     std::int64_t number = 0;
-    std::optional<std::int64_t> attempt;  ///< none: the newest
+    std::optional<std::int64_t> attempt;  ///< none: the only one
     std::string who;
     record::Specimen said;
     std::array<std::string, record::kWearReadingFields.size()> worn;  ///< texts of the ledger's notes; empty: not read

@@ -61,11 +61,16 @@ struct Summary {
     return summary.out_of_tolerance && !summary.out_of_tolerance->empty();
 }
 
+/// Whether its energies do not balance: torque, speed or force is wrong somewhere.
+[[nodiscard]] inline bool unbalanced(const Summary& summary) {
+    for (const std::string& warning : summary.warnings)
+        if (warning.starts_with(kEnergyUnbalanced)) return true;
+    return false;
+}
+
 /// A maneuver's contribution to the cumulative energy, J: 0 if unknown, until a person enters it (Ledger::amend()).
 [[nodiscard]] inline double counted_energy_J(const Summary& summary) {
-    for (const std::string& warning : summary.warnings)
-        if (warning.starts_with(kEnergyUnbalanced)) return 0.0;
-    return summary.figures.energy_brake_J;
+    return unbalanced(summary) ? 0.0 : summary.figures.energy_brake_J;
 }
 
 }  // namespace rig::record

@@ -60,7 +60,7 @@ wear::Campaign wear_of(const std::vector<LedgerRow>& rows, OutOfTolerance off) {
     wear::Campaign out;
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
-    std::size_t left_out = 0, of_others = 0;
+    std::size_t left_out = 0, of_others = 0, unbalanced = 0, without_energy = 0;
     bool other_disc = false;  // has worn the same lining
     record::DiscEnergy taken;
     double cumulative_J = 0.0;  // after an attempt without a record, less than one maneuver more
@@ -71,17 +71,30 @@ wear::Campaign wear_of(const std::vector<LedgerRow>& rows, OutOfTolerance off) {
     for (const LedgerRow& row : rows) {
         const record::Specimen& parts = row.summary.specimen;
         other_disc = other_disc || (parts.brake == out.brake && parts.disc != out.disc);
-        if (row.has_figures) cumulative_J = row.summary.cumulative_energy_J;
-        const double disc_J = taken.after(parts, cumulative_J);
-        if (disc_J > 0.0 && std::isfinite(row.worn.lining) && parts.brake == out.brake && parts.disc == out.disc)
-            out.readings.push_back({disc_J, row.worn.lining});
+        const bool mine = parts.brake == out.brake && parts.disc == out.disc;
+        cumulative_J = row.has_figures ? row.summary.cumulative_energy_J : cumulative_J + row.counted_J;
+        const double disc_J = taken.after(parts, cumulative_J), own_J = disc_J - out.taken_J;
+        if (mine) out.taken_J = disc_J;
+        if (disc_J > 0.0 && std::isfinite(row.worn.lining) && mine) out.readings.push_back({disc_J, row.worn.lining});
         if (row.state != record::RowState::finished) continue;
+        const bool doubtful = record::unbalanced(row.summary) && row.amendments.empty();
+        constexpr double kRounded = 1e-9;  // of sums that were amended
+        const bool adds = own_J > kRounded * disc_J;
+        if (mine && adds && !doubtful) out.landings.push_back({disc_J, own_J});
         if (off == OutOfTolerance::left_out && record::off_conditions(row.summary)) {
             ++left_out;
             continue;
         }
-        if (parts.brake != out.brake || parts.disc != out.disc) {
+        if (!mine) {
             ++of_others;
+            continue;
+        }
+        if (doubtful) {
+            ++unbalanced;
+            continue;
+        }
+        if (!adds) {
+            ++without_energy;
             continue;
         }
         const record::Figures& f = row.summary.figures;
@@ -89,6 +102,8 @@ wear::Campaign wear_of(const std::vector<LedgerRow>& rows, OutOfTolerance off) {
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
     if (left_out > 0) out.source += fmt::format(" ({} out of tolerance left out, --out-of-tolerance takes them)", left_out);
+    if (unbalanced > 0) out.source += fmt::format(" ({} unbalanced left out, until amended)", unbalanced);
+    if (without_energy > 0) out.source += fmt::format(" ({} that add no energy left out)", without_energy);
     if (of_others > 0) out.source += fmt::format(" (brake '{}', disc '{}'; {} maneuvers of others left out)", out.brake, out.disc, of_others);
     if (other_disc && !out.readings.empty()) {
         out.source += " (readings of the lining left out: another disc has worn it, too)";

@@ -20,9 +20,10 @@ enum class OutOfTolerance : std::uint8_t { left_out, taken };
 /// `wanted`, or if empty the ledger's only campaign. Throws settings::Error if there is none or several, or the file is not a ledger.
 [[nodiscard]] std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted);
 
-/// Of a campaign's rows, oldest first: every maneuver finished within tolerance is a point; aborted ones count in the cumulative energy, and what was
-/// read of the lining after any of them is a reading. If brake or disc were changed, only the newest pair is used, with its own energy. `source` is
-/// what was left out, for people.
+/// Of a campaign's rows, oldest first: every maneuver finished within tolerance is a point, unless its energies do not balance and nobody amended
+/// them, or it adds no energy; one out of tolerance is a landing all the same. Aborted ones count in the cumulative energy, also after the newest
+/// point, and what was read of the lining after any of them is a reading. If brake or disc were changed, only the newest pair is used, with its own
+/// energy. `source` is what was left out, for people.
 [[nodiscard]] wear::Campaign wear_of(const std::vector<record::LedgerRow>& rows, OutOfTolerance off = OutOfTolerance::left_out);
 
 /// `where`: an SQLite ledger or a directory with campaign.sqlite in it (of `campaign`, which may be empty when the ledger holds one only), else

@@ -105,16 +105,19 @@ std::vector<FanPoint> fan(const BrakeFilter& filter, double c_e_J, const Landing
 }  // namespace
 
 LandingMix mix_of(const Campaign& campaign, std::size_t count) {
-    const std::size_t n = campaign.points.size();
+    std::vector<double> energies_J;
+    if (campaign.landings.empty())
+        for (std::size_t i = 1; i < campaign.points.size(); ++i) energies_J.push_back(brake_energy_J(campaign, i));
+    for (const LandingEnergy& landing : campaign.landings)
+        if (landing.c_e_J > campaign.points.front().c_e_J) energies_J.push_back(landing.energy_J);
     double sum = 0.0;
     double squares = 0.0;
-    double used = 0.0;
-    for (std::size_t i = std::max<std::size_t>(1, n - std::min(n, count)); i < n; ++i) {
-        const double energy_J = brake_energy_J(campaign, i);
-        sum += energy_J;
-        squares += energy_J * energy_J;
-        used += 1.0;
+    const std::size_t n = energies_J.size();
+    for (std::size_t i = n - std::min(n, count); i < n; ++i) {
+        sum += energies_J[i];
+        squares += energies_J[i] * energies_J[i];
     }
+    const auto used = static_cast<double>(std::min(n, count));
     const double mean = sum / used;
     return {{"as recorded", 1.0, mean, std::sqrt(std::max(0.0, squares / used - mean * mean))}};
 }

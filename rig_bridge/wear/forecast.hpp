@@ -24,7 +24,8 @@ struct LandingKind {
 };
 using LandingMix = std::vector<LandingKind>;
 
-/// A mix of one kind, with mean and deviation of the energies of the campaign's newest `count` maneuvers.
+/// A mix of one kind, with mean and deviation of the energies of the newest `count` of the campaign's landings after its first point, those that are
+/// no points included.
 [[nodiscard]] LandingMix mix_of(const Campaign& campaign, std::size_t count);
 
 struct ForecastSettings {

@@ -57,6 +57,7 @@ void LandingsForecast::learn(const Campaign& campaign, std::size_t from) {
         for (; reading != campaign.readings.end() && reading->c_e_J <= campaign.points[i].c_e_J; ++reading) read(*reading);
     }
     for (; reading != campaign.readings.end(); ++reading) read(*reading);
+    c_e_J_ = std::max(c_e_J_, campaign.taken_J);
 }
 
 Conditional LandingsForecast::next() const {

@@ -29,7 +29,7 @@ class LandingsForecast {
     void learn(const Point& point);
     /// Adds a reading of the lining, after the maneuvers before it. Without effect where the population was learnt without readings.
     void read(const LiningReading& reading);
-    /// All points and readings of a campaign from point `from` on.
+    /// All points and readings of a campaign from point `from` on, and the energy taken since.
     void learn(const Campaign& campaign, std::size_t from = 0);
     /// Call after at least one point.
     [[nodiscard]] Forecast forecast(const LandingMix& mix, const ForecastSettings& settings) const;

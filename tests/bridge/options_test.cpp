@@ -58,7 +58,7 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
         {"ledger", "amend", "tests/bridge", "--maneuver", "31", "--energy-MJ", "0.974", "--who", "A. Rossi", "--why", "node restarted"});
     CHECK(amend.directory == "tests/bridge");
     CHECK(amend.number == 31);
-    CHECK(amend.attempt == 1);
+    CHECK_FALSE(amend.attempt);
     CHECK(amend.energy_MJ == 0.974);
     CHECK(amend.who == "A. Rossi");
     CHECK(many.rig.specimen == rig::record::Specimen{});
@@ -120,6 +120,10 @@ TEST_CASE("Mistakes end with status 2 or say what would be right", "[BRG-430]") 
     CHECK_THROWS_WITH(parse({"preflight", "config/scenarios/light.toml", "--can", "c"}), ContainsSubstring("--plc HOST:PORT"));
     CHECK(std::get<int>(parse({"ledger"})) == 2);
     CHECK(std::get<int>(parse({"ledger", "amend", "tests/bridge", "--maneuver", "31", "--energy-MJ", "1"})) == 2);
+    for (const char* const energy : {"nan", "-nan"})
+        CHECK_THROWS_WITH(parse({"ledger", "amend", "tests/bridge", "--maneuver", "31", "--energy-MJ", energy, "--who", "Kim", "--why", "log"}),
+                          ContainsSubstring("--energy-MJ must be a number from 0"));
+    CHECK(std::get<int>(parse({"ledger", "amend", "tests/bridge", "--maneuver", "31", "--energy-MJ", "inf", "--who", "Kim", "--why", "log"})) == 2);
     CHECK(std::get<int>(parse({"--help"})) == 0);
     // Nobody to say that it is abnormal.
     CHECK(std::get<int>(parse({"campaign", "config/scenarios/light.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o", "--maneuvers", "1",

@@ -4,11 +4,14 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 
 #include "plant_sim/lab/campaign_options.hpp"
+#include "plant_sim/wear/forecast_request.hpp"
 #include "plant_sim/wear/landing_mix.hpp"
 #include "rig_bridge/record/ledger.hpp"
+#include "rig_bridge/wear/population_io.hpp"
 #include "tests/catch.hpp"
 
 namespace {
@@ -33,7 +36,7 @@ class Folder {
 };
 
 void enter(rig::record::Ledger& ledger, const std::string& campaign, std::int64_t number, const std::string& outcome, double c_e_J, double friction,
-           const std::vector<std::string>& out_of_tolerance = {}) {
+           const std::vector<std::string>& out_of_tolerance = {}, const std::vector<std::string>& warnings = {}) {
     (void)ledger.begin(number, "2026-01-01T00:00:00Z");
     rig::record::Summary s;
     s.campaign = campaign;
@@ -42,7 +45,11 @@ void enter(rig::record::Ledger& ledger, const std::string& campaign, std::int64_
     s.started = "2026-01-01T00:00:00Z";
     s.cumulative_energy_J = c_e_J;
     s.figures.mean_friction = friction;
+    s.figures.brake_on_mps = 54.0;
+    s.figures.mean_torque_Nm = 630.0;
+    s.figures.mean_load_N = 23500.0;
     s.out_of_tolerance = out_of_tolerance;
+    s.warnings = warnings;
     ledger.finish(s);
 }
 
@@ -76,6 +83,9 @@ TEST_CASE("a ledger is a campaign", "[WEAR-001]") {
     }
     const wear::Campaign by_file = rig::replay::load_campaign(folder / "campaign.sqlite", "");
     CHECK(by_file.readings == std::vector<wear::LiningReading>{{1.4e6, 0.1}, {2.4e6, 0.2}, {3.4e6, 0.3}});
+    const wear::Campaign by_csv = wear::parse_campaign("table.csv", wear::to_csv(by_file));
+    CHECK(by_csv.points == by_file.points);
+    CHECK(by_csv.readings == by_file.readings);
     REQUIRE(by_file.points.size() == 3);
     CHECK(by_file.points[0] == wear::Point{1.0e6, 0.31});
     // The aborted attempt is no point, but what it took is.
@@ -110,6 +120,86 @@ TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; th
     CHECK_THAT(all.source, !ContainsSubstring("left out"));
     CHECK(rig::replay::load_campaigns({folder.path()}).at(0).points == kept.points);
     CHECK(rig::replay::load_campaigns({folder.path()}, taken).at(0).points == all.points);
+}
+
+TEST_CASE("a maneuver whose energies do not balance is no point until it is amended, and blocks no other", "[WEAR-001][BRG-261]") {
+    const Folder folder("wear_unbalanced");
+    const auto ledger = [&] {
+        return std::make_unique<rig::record::Ledger>(folder / "campaign.sqlite", rig::record::LedgerOptions{.durable = false});
+    };
+    const auto amend = [&](std::int64_t number, double counted_J) {
+        const auto open = ledger();
+        open->choose("first");
+        open->amend(number, 1, {.counted_J = counted_J, .who = "Kim", .made = "t", .why = "its log"});
+    };
+    {
+        const auto open = ledger();
+        open->open_campaign(campaign("first"), rig::record::IfChanged::reject);
+        enter(*open, "first", 1, "finished", 0.0, 0.31, {}, {"energy_unbalanced: brake and tyre took 9 MJ of 1 MJ kinetic energy"});
+        enter(*open, "first", 2, "finished", 1.0e6, 0.30);
+        enter(*open, "first", 3, "finished", 1.0e6, 0.90, {}, {"energy_unbalanced: brake and tyre took 9 MJ of 1 MJ kinetic energy"});
+        enter(*open, "first", 4, "finished", 2.0e6, 0.28);
+    }
+    const wear::Campaign read = rig::replay::load_campaign(folder.path(), "");
+    CHECK(read.points == std::vector<wear::Point>{{1.0e6, 0.30}, {2.0e6, 0.28}});
+    CHECK(read.brakings.size() == 2);
+    CHECK_THAT(read.source, ContainsSubstring("(2 unbalanced left out, until amended)"));
+    amend(3, 0.9e6);
+    CHECK(rig::replay::load_campaign(folder.path(), "").points == std::vector<wear::Point>{{1.0e6, 0.30}, {1.9e6, 0.90}, {2.9e6, 0.28}});
+    amend(3, 0.0);
+    const wear::Campaign nothing = rig::replay::load_campaign(folder.path(), "");
+    CHECK(nothing.points == read.points);
+    CHECK_THAT(nothing.source, ContainsSubstring("(1 unbalanced left out, until amended)") && ContainsSubstring("(1 that add no energy left out)"));
+}
+
+TEST_CASE("what is left out changes neither the energy of the landings to come nor that taken so far", "[WEAR-001][WEAR-050]") {
+    const auto by = wear::read_population("config/wear/population.json");
+    const auto forecast_of = [&](const wear::Campaign& c, const std::string& method) {
+        wear::ForecastRequest request;
+        request.limit = 0.2;
+        request.draws = 100;
+        request.method = method;
+        return wear::answer(request, wear::resolved(request), by, c);
+    };
+    enum class Marked : std::uint8_t { none, every_second, newest, newest_aborted, unbalanced };
+    for (const Marked marked : {Marked::none, Marked::every_second, Marked::newest, Marked::newest_aborted, Marked::unbalanced}) {
+        const Folder folder("wear_left_out");
+        {
+            rig::record::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
+            rig::record::Campaign c = campaign("first");
+            c.planned = 50;
+            c.specimen.disc = "D7";  // another disc's energy is not this one's
+            ledger.open_campaign(c, rig::record::IfChanged::reject);
+            enter(ledger, "first", 1, "finished", 9e6, 0.31);
+            c.specimen.disc = "D8";
+            ledger.open_campaign(c, rig::record::IfChanged::go_on);
+            for (int i = 1; i <= 24; ++i) {
+                const bool newest = i > 18;
+                const bool off = (marked == Marked::every_second && i % 2 == 0) || (marked == Marked::newest && newest);
+                const bool aborted = marked == Marked::newest_aborted && newest;
+                enter(ledger, "first", aborted ? 20 : 1 + i, aborted ? "load lost" : "finished", 9e6 + i * 1e6, 0.31 - i * 0.0005,
+                      off ? std::vector<std::string>{"length_m"} : std::vector<std::string>{});
+            }
+            if (marked == Marked::unbalanced) enter(ledger, "first", 26, "finished", 33e6, 0.3, {}, {"energy_unbalanced: 9 MJ of 1 MJ"});
+        }
+        const wear::Campaign read = rig::replay::load_campaign(folder.path(), "");
+        const wear::Campaign by_csv = wear::parse_campaign("table.csv", wear::to_csv(read));
+        CHECK(by_csv.points == read.points);
+        CHECK(by_csv.landings == read.landings);
+        for (const wear::Campaign& c : {read, by_csv}) {
+            CAPTURE(static_cast<int>(marked), c.source);
+            CHECK(c.points.size() == (marked == Marked::every_second ? 12 : marked == Marked::newest || marked == Marked::newest_aborted ? 18 : 24));
+            CHECK(wear::taken_now_J(c) == 24e6);
+            CHECK(wear::taken_before_J(c) == 0.0);
+            for (std::size_t i = 0; i < c.points.size(); ++i) CHECK(wear::brake_energy_J(c, i) == 1e6);
+            for (const std::string method : {"shipped", "filter"}) {
+                const wear::ForecastAnswer answer = forecast_of(c, method);
+                CHECK(answer.mix.at(0).energy_J == 1e6);
+                CHECK(answer.mix.at(0).deviation_J == 0.0);
+                CHECK(answer.forecast.c_e_J == 24e6);
+            }
+        }
+    }
 }
 
 TEST_CASE("what is no ledger is read as CSV", "[WEAR-001]") {

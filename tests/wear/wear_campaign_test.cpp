@@ -56,6 +56,7 @@ TEST_CASE("a campaign says where it is from, or it is of unknown origin", "[WEAR
     const wear::Campaign measured = parse_campaign("data.csv", "# of March\n# origin: measured on rig 7\r\n" + rows);
     CHECK(measured.origin == "measured on rig 7");
     CHECK(parse_campaign("data.csv", wear::to_csv(measured)) == measured);
+    CHECK(parse_campaign("data.csv", "\xEF\xBB\xBF" + wear::to_csv(measured)) == measured);
     CHECK(wear::data_hash(measured) == wear::data_hash(parse_campaign("data.csv", rows)));
     CHECK(rejection("# of March\n# origin: a friend\n" + rows) == "data.csv:2: origin: must begin with 'measured' or 'made up'");
 }
@@ -72,6 +73,60 @@ TEST_CASE("readings of the lining stand where they were made", "[WEAR-074]") {
     CHECK_THAT(rejection(head + "1,0.3,\n2,0.29,31\n"),
                ContainsSubstring("data.csv:3: lining_worn: 31 is no worn share") && ContainsSubstring("percent"));
     CHECK_THAT(rejection(head + "1,0.3,\n2,0.29,thin\n"), ContainsSubstring("data.csv:3: lining_worn: 'thin'"));
+}
+
+TEST_CASE("a reading that no maneuver ended with is kept, written, read back and hashed", "[WEAR-074]") {
+    wear::Campaign c = parse_campaign("data.csv", "cumulative_energy_MJ,mean_friction,lining_worn\n1,0.3,\n2,0.29,0.31\n3,0.28,\n");
+    const std::string before = wear::data_hash(c);
+    c.readings.insert(c.readings.begin(), {0.5e6, 0.01});
+    c.readings.push_back({2e6, 0.33});
+    c.readings.push_back({3.5e6, 0.9});
+    const wear::Campaign back = parse_campaign("data.csv", wear::to_csv(c));
+    CHECK(back.points == c.points);
+    CHECK(back.readings == c.readings);
+    CHECK(back.source == "data.csv");
+    CHECK(wear::to_csv(back) == wear::to_csv(c));
+    CHECK(wear::data_hash(back) == wear::data_hash(c));
+    const std::string hash = wear::data_hash(c);
+    c.readings.pop_back();
+    CHECK(wear::data_hash(c) != hash);
+    CHECK(hash != before);
+}
+
+TEST_CASE("of a table with outcomes only finished maneuvers are points", "[WEAR-001]") {
+    const std::string head = "number,outcome,cumulative_energy_J,mean_friction,brake_on_mps,mean_torque_Nm,mean_load_N,disc_serial,lining_worn\n";
+    const wear::Campaign c = parse_campaign("data.csv", head +
+                                                            "1,load_lost,0,nan,0,0,0,D7,\n"
+                                                            "1,finished,1e6,0.31,54,630,23500,D7,\n"
+                                                            "2,load_lost,1.4e6,0.05,54,0,23500,D7,0.1\n"
+                                                            "2,finished,1.4e6,0.9,54,630,23500,D7,\n"
+                                                            "2,finished,2.4e6,0.30,54,630,23500,D7,0.2\n"
+                                                            "3,unfinished,3e6,0.30,54,630,23500,D7,0.3\n");
+    CHECK(c.points == std::vector<wear::Point>{{1e6, 0.31}, {2.4e6, 0.30}});
+    CHECK(c.brakings.size() == 2);
+    CHECK(c.readings == std::vector<wear::LiningReading>{{1.4e6, 0.1}, {2.4e6, 0.2}, {3e6, 0.3}});
+    CHECK(c.source == "data.csv (3 not finished left out) (1 that add no energy left out)");
+    CHECK_THAT(rejection(head + "1,finished,1e6,0.31,54,630,23500,D7,\n2,aborted,9e5,0.3,0,0,0,D7,\n"),
+               ContainsSubstring("data.csv:3: cumulative_energy: 900000 J after 1000000 J: energy cannot decrease"));
+    CHECK_THAT(rejection(head + "1,finished,1e6,0.31,54,630,23500,D7,\n2,aborted,2e6,0.3,0,0,0,D8,\n"), ContainsSubstring("'D8' after 'D7'"));
+    CHECK_THAT(rejection(head + "1,finished,1e6,0.31,54,630,23500,D7,\n2,aborted,2e12,0.3,0,0,0,D7,\n"), ContainsSubstring("data.csv:3:"));
+    CHECK_THAT(rejection(head + "1,aborted,1e6,0.31,54,630,23500,D7,\n2,aborted,2e6,0.3,0,0,0,D7,\n"), ContainsSubstring("no maneuver"));
+}
+
+TEST_CASE("a landing has its own energy, whatever was taken between the rows", "[WEAR-001]") {
+    const std::string head = "cumulative_energy_MJ,mean_friction,brake_energy_J,outcome\n";
+    const wear::Campaign c =
+        parse_campaign("c", head + "5,0.3,1e6,finished\n7,0.29,1.1e6,finished\n8,,1e6,out_of_tolerance\n8.5,,,aborted\n9.5,0.28,,finished\n");
+    CHECK(c.landings == std::vector<wear::LandingEnergy>{{5e6, 1e6}, {7e6, 1.1e6}, {8e6, 1e6}, {9.5e6, 1e6}});
+    CHECK(c.source == "c (1 not finished left out) (1 out of tolerance left out)");
+    CHECK(wear::brake_energy_J(c, 1) == 1.1e6);
+    CHECK(wear::taken_before_J(c) == 4e6);
+    CHECK(wear::taken_now_J(c) == 9.5e6);
+    CHECK(parse_campaign("c", wear::to_csv(c)).landings == c.landings);
+    const std::string of_two = head + "5,0.3,1e6,finished\n";
+    for (const char* const energy : {"1.01e6", "0", "-1", "nan"})
+        CHECK_THAT(rejection(of_two + "6,0.29," + energy + ",finished\n"), ContainsSubstring("data.csv:3: brake_energy_J: "));
+    CHECK(rejection(of_two + "6,0.29,1000100,finished\n") == "accepted");  // rounded
 }
 
 TEST_CASE("energy that was counted before the first maneuver is not that maneuver's", "[WEAR-001]") {
