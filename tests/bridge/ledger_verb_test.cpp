@@ -13,7 +13,9 @@ using rig::record::LedgerRow;
 struct Campaign {
     Campaign() {
         rig::record::Ledger ledger(rig::bridge::ledger_file(directory));
-        ledger.open_campaign({.name = "brake7", .scenario = "endurance", .planned = 9}, rig::record::IfChanged::reject);
+        ledger.open_campaign(
+            {.name = "brake7", .scenario = "endurance", .seed = 1, .planned = 9, .config_hash = "abc", .version = "0", .created = "t0"},
+            rig::record::IfChanged::reject);
         for (const auto& [number, outcome] : {std::pair{1, "finished"}, {2, "load_lost"}, {2, "finished"}}) {
             rig::record::Summary s;
             s.campaign = "brake7";
