@@ -1,4 +1,7 @@
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/record/ledger.hpp"
@@ -13,7 +16,9 @@ using rig::record::LedgerRow;
 struct Campaign {
     Campaign() {
         rig::record::Ledger ledger(rig::bridge::ledger_file(directory));
-        ledger.open_campaign({.name = "brake7", .scenario = "endurance", .planned = 9}, rig::record::IfChanged::reject);
+        ledger.open_campaign(
+            {.name = "brake7", .scenario = "endurance", .seed = 7, .planned = 9, .config_hash = "abc", .version = "0.1.0", .created = "t0"},
+            rig::record::IfChanged::reject);
         for (const auto& [number, outcome] : {std::pair{1, "finished"}, {2, "load_lost"}, {2, "finished"}}) {
             rig::record::Summary s;
             s.campaign = "brake7";
