@@ -2,10 +2,12 @@
 
 #include <unistd.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "plant_sim/lab/campaign_options.hpp"
 #include "plant_sim/wear/forecast_request.hpp"
