@@ -232,8 +232,6 @@ struct MarginsCommand {
     std::string json_file;  ///< "-": standard output
 
     int run() {
-        // CLI::Range lets a value pass that is no number.
-        if (!std::isfinite(picture_mps)) throw std::invalid_argument("--picture-speed must be a number from 5 to 49");
         margins::MarginsInput input = margins::load_margins_input(scenario);
         const auto tyres = tyre.tyres(input.cases.front().rig.wheel.compliance);
         settings::create_directories(out);  // refused now, not when the study is over

@@ -136,8 +136,6 @@ struct TuneCommand {
     std::vector<std::filesystem::path> write;
 
     int run() {
-        // CLI::Range lets a value pass that is no number.
-        if (floor && !std::isfinite(*floor)) throw std::invalid_argument("--floor must be a number from 0 to 1");
         const bool law = loop == "law";
         if (!law && (check || !write.empty())) throw std::invalid_argument("--check and --write need --loop law");
         if (check && !write.empty()) throw std::invalid_argument("--check finds nothing to --write");

@@ -86,7 +86,7 @@ with tempfile.TemporaryDirectory() as scratch:
                        ("--damping", "--tyre", "relaxation", "--damping", 0.1), ("--frequency", "--tyre", "ring", "--frequency", "80,4"),
                        ("--belt-share", "--tyre", "ring", "--belt-share", "nan"), ("--floor", "--tyre", "relaxation", "--floor", 0)):
         refused(f"margins: {' '.join(map(str, bad))}", [says], "margins", *bad, "--out", out)
-    refused("margins: --mu-b nan", ["mu_b"], "margins", "--mu-b", "nan", "--out", out)
+    refused("margins: --mu-b nan", ["--mu-b", "nan"], "margins", "--mu-b", "nan", "--out", out)
     check("and all that left nothing", not out.exists())
 
     status, text, err = run("tune", "--population", 4, "--generations", 0, "--speeds", 2, "--out", out)

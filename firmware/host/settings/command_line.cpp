@@ -1,6 +1,7 @@
 #include "firmware/host/settings/command_line.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -48,6 +49,18 @@ std::string unknown_word(const CLI::App& app) {
     return (is_verb ? "there is no '" : "nothing takes '") + printable(words.front()) + "'" + suggestion(word, known);
 }
 
+/// The first number given that is none, which every CLI::Range lets pass; "" where there is none.
+std::string not_finite(const CLI::App& app) {
+    for (const CLI::Option* const option : app.get_options()) {
+        if (!option->get_type_name().starts_with("FLOAT")) continue;
+        for (const std::string& text : option->results())
+            if (double value = 0.0; CLI::detail::lexical_cast(text, value) && !std::isfinite(value))
+                return option->get_name() + ": '" + printable(text) + "': expected a finite number";
+    }
+    const std::vector<CLI::App*> verbs = app.get_subcommands();
+    return verbs.empty() ? std::string() : not_finite(*verbs.back());
+}
+
 CLI::Option* checked(CLI::Option* option, const char* type, bool (*good)(const fs::path&), const char* why) {
     const auto check = [good, why](const std::string& text) {
         std::error_code none;
@@ -69,18 +82,24 @@ bool is_file(const fs::path& path) {
     return is_there(path) && !is_folder(path);
 }
 
+int refused(const CLI::App& app, const std::string& mistake) {
+    const std::string name = full_name(innermost(app));
+    (void)std::fprintf(stderr, "%s: %s\nSee %s --help.\n", name.c_str(), mistake.c_str(), name.c_str());
+    return 2;
+}
+
 }  // namespace
 
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
     try {
         app.parse(argc, argv);
-        return std::nullopt;
+        const std::string mistake = not_finite(app);
+        if (mistake.empty()) return std::nullopt;
+        return refused(app, mistake);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);
         const std::string unknown = unknown_word(app);
-        const std::string name = full_name(innermost(app));
-        (void)std::fprintf(stderr, "%s: %s\nSee %s --help.\n", name.c_str(), unknown.empty() ? error.what() : unknown.c_str(), name.c_str());
-        return 2;
+        return refused(app, unknown.empty() ? error.what() : unknown);
     }
 }
 
