@@ -122,6 +122,19 @@ TEST_CASE("Load cells that read more than the bus can carry are refused, not sat
     CHECK_NOTHROW(rig::bridge::load_setup(options));
 }
 
+TEST_CASE("A bridge starts with no rig whose teeth the controller has otherwise, or whose load its registers cannot carry", "[BRG-120]") {
+    const auto rejected = [](const char* file, const std::string& from, const std::string& to) {
+        const TemporaryDirectory directory;
+        rig::bridge::RigOptions options = heavy().rig;
+        options.config = directory / "config";
+        std::filesystem::copy("config", options.config, std::filesystem::copy_options::recursive);
+        put(options.config / file, replaced(content_of(options.config / file), from, to));
+        return std::string(rejection_of([&] { return rig::bridge::load_setup(options); }).what());
+    };
+    CHECK_THAT(rejected("controller.toml", "teeth = 60", "teeth = 48"), ContainsSubstring("wheel.encoder.teeth: is 48; expected 60"));
+    CHECK_THAT(rejected("registers.toml", "range = [0.0, 100.0e3]", "range = [0.0, 30.0e3]"), ContainsSubstring("holding.load_base.range"));
+}
+
 TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-465]") {
     const TemporaryDirectory directory;
     rig::bridge::RigOptions options = heavy().rig;

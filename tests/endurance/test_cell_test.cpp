@@ -5,6 +5,7 @@
 #include "rig_bridge/rig/acceptance.hpp"
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"
+#include "tests/settings/refusal.hpp"
 
 using endurance::Outcome;
 using endurance_test::cell;
@@ -136,4 +137,19 @@ TEST_CASE("The summary of a maneuver in process tells its faults, warnings and w
     out.phase = Phase::aborted;
     out.abort = Abort::controller_fault;
     CHECK(endurance::summary_of({}, out, {}).outcome == "controller_fault");
+}
+
+TEST_CASE("A rig whose files disagree, or that its layout cannot carry, is refused before it runs", "[STUDY-070]") {
+    const auto rejected = [](const char* file, const std::string& from, const std::string& to) {
+        const TemporaryDirectory directory;
+        const auto config = directory / "config";
+        std::filesystem::copy("config", config, std::filesystem::copy_options::recursive);
+        put(config / file, replaced(content_of(config / file), from, to));
+        return std::string(rejection_of([&] { return endurance::load_setup(config / "scenarios/heavy.toml", config); }).what());
+    };
+    CHECK_THAT(rejected("controller.toml", "teeth = 60", "teeth = 48"), ContainsSubstring("wheel.encoder.teeth: is 48; expected 60"));
+    CHECK_THAT(rejected("rig_machinery.toml", "force_max_N = 60.0e3", "force_max_N = 100.0e3"),
+               ContainsSubstring("load_cells.vertical.signal") && ContainsSubstring("it must reach 100000 N"));
+    CHECK_THAT(rejected("antiskid.dbc", "SG_ Pressure : 16|16@1+ (500,0) [0|32767500]", "SG_ Pressure : 16|16@1+ (500,0) [0|10000000]"),
+               ContainsSubstring("pressure.signal") && ContainsSubstring("too narrow for this rig"));
 }
