@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <ctime>
 #include <fstream>
 #include <string_view>
@@ -15,6 +14,7 @@
 
 #include "firmware/controller/machine.hpp"
 #include "firmware/host/realtime.hpp"
+#include "firmware/host/settings/number_in.hpp"
 
 namespace antiskid::controller {
 
@@ -34,12 +34,10 @@ std::vector<MachineFacts::Governor> governors(const std::filesystem::path& proce
     for (const auto& entry : std::filesystem::directory_iterator(processors, none)) {
         const std::string folder = entry.path().filename().string();
         if (!folder.starts_with(kPrefix)) continue;
-        int number = 0;
-        const char* const end = folder.data() + folder.size();
-        const auto read = std::from_chars(folder.data() + kPrefix.size(), end, number);
-        if (read.ec != std::errc() || read.ptr != end || (only && number != *only)) continue;
+        const auto number = settings::number_in<int>(std::string_view(folder).substr(kPrefix.size()));
+        if (!number || (only && *number != *only)) continue;
         std::string governor = first_line(entry.path() / "cpufreq/scaling_governor");
-        if (!governor.empty()) found.push_back({number, std::move(governor)});
+        if (!governor.empty()) found.push_back({*number, std::move(governor)});
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.cpu < b.cpu; });
     return found;

@@ -2,10 +2,10 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
 #include <stdexcept>
 
 #include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 
 namespace plant_sim {
@@ -16,10 +16,9 @@ constexpr double kMax_MJ = 1e9;
 
 /// Nothing where `text` is no energy in MJ.
 std::optional<double> energy_J(const std::string& text) {
-    double value_MJ = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value_MJ);
-    if (error != std::errc() || end != text.data() + text.size() || !(value_MJ >= 0.0 && value_MJ <= kMax_MJ)) return std::nullopt;
-    return value_MJ * 1e6;
+    const auto value_MJ = settings::number_in<double>(text);
+    if (!value_MJ || !(*value_MJ >= 0.0 && *value_MJ <= kMax_MJ)) return std::nullopt;
+    return *value_MJ * 1e6;
 }
 
 std::string check_brake(const std::string& text) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -24,6 +23,7 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "firmware/host/supervised_can.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
@@ -130,13 +130,9 @@ rig::modbus::ServerOptions server_options(const Options& o) {
     rig::modbus::ServerOptions server{.port = std::nullopt, .rtu = o.rtu};
     if (o.modbus.empty()) return server;
     const std::size_t colon = o.modbus.rfind(':');
-    const std::string_view digits = std::string_view(o.modbus).substr(colon == std::string::npos ? o.modbus.size() : colon + 1);
-    std::uint16_t port = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-    if (colon == 0 || digits.empty() || error != std::errc() || end != digits.data() + digits.size())
-        throw std::invalid_argument("--modbus: expected IP:PORT, e.g. 127.0.0.1:1502, got '" + o.modbus + "'");
+    if (colon != 0 && colon != std::string::npos) server.port = settings::number_in<std::uint16_t>(o.modbus.substr(colon + 1));
+    if (!server.port) throw std::invalid_argument("--modbus: expected IP:PORT, e.g. 127.0.0.1:1502, got '" + o.modbus + "'");
     server.address = o.modbus.substr(0, colon);
-    server.port = port;
     server.allow = o.modbus_allow;
     server.on_rejected = [](const std::string& peer) {
         fmt::print(stderr, "virtual-rig: Modbus TCP: {} is refused, --modbus-allow does not have it\n", peer);

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <limits>
 #include <stdexcept>
 #include <string_view>
 
 #include "firmware/host/settings/near_miss.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "plant_sim/model/brake.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
@@ -16,11 +16,10 @@ namespace wear {
 namespace {
 
 double share_of(std::string_view text) {
-    double share = 0.0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), share);
-    if (failure != std::errc() || end != text.data() + text.size() || !(share > 0.0 && share <= 1e6))
+    const auto share = settings::number_in<double>(text);
+    if (!share || !(*share > 0.0 && *share <= 1e6))
         throw std::invalid_argument(fmt::format("--mix: '{}' is no share; expected e.g. light=0.5,medium=0.3,heavy=0.2", settings::printable(text)));
-    return share;
+    return *share;
 }
 
 /// The maneuver of that name, or those whose names go on with _a, _b, ...

@@ -4,21 +4,19 @@
 #include <netdb.h>
 
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
+
+#include "firmware/host/settings/number_in.hpp"
 
 namespace rig::modbus {
 namespace {
 
 std::uint16_t parse_port(const std::string& text, const std::string& whole) {
-    std::uint16_t port = 0;
-    const char* end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, port);
-    if (error != std::errc{} || rest != end || port == 0)
-        throw std::invalid_argument("PLC address '" + whole + "': '" + text + "' is no port, expected 1 to 65535");
-    return port;
+    const auto port = settings::number_in<std::uint16_t>(text);
+    if (!port || *port == 0) throw std::invalid_argument("PLC address '" + whole + "': '" + text + "' is no port, expected 1 to 65535");
+    return *port;
 }
 
 }  // namespace

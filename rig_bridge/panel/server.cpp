@@ -9,7 +9,6 @@
 
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "firmware/host/settings/json.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "rig_bridge/panel/broadcast.hpp"
 #include "rig_bridge/panel/page.hpp"
 
@@ -131,13 +131,10 @@ Address parse_address(std::string_view text) {
     };
     const std::size_t colon = text.rfind(':');
     if (colon == std::string_view::npos) throw bad("expected ADDRESS:PORT");
-    Address address{.host = std::string(text.substr(0, colon)), .port = 0};
+    Address address{.host = std::string(text.substr(0, colon)), .port = settings::number_in<int>(text.substr(colon + 1)).value_or(-1)};
     if (address.host.size() > 2 && address.host.front() == '[' && address.host.back() == ']')
         address.host = address.host.substr(1, address.host.size() - 2);
-    const std::string_view digits = text.substr(colon + 1);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), address.port);
-    if (digits.empty() || error != std::errc() || end != digits.data() + digits.size() || address.port < 0 || address.port > 65535)
-        throw bad("expected a port from 0 to 65535");
+    if (address.port < 0 || address.port > 65535) throw bad("expected a port from 0 to 65535");
     std::array<unsigned char, sizeof(in6_addr)> numeric{};
     const int family = address.host.find(':') == std::string::npos ? AF_INET : AF_INET6;
     if (inet_pton(family, address.host.c_str(), numeric.data()) != 1) throw bad("expected a numeric address of this computer");
@@ -152,20 +149,16 @@ std::string Query::text(const std::string& key) const {
 
 double Query::number(const std::string& key) const {
     const std::string value = text(key);
-    double number = 0.0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (value.empty() || error != std::errc() || end != value.data() + value.size())
-        throw std::invalid_argument(key + ": expected a number, got '" + value + "'");
-    return number;
+    const auto number = settings::number_in<double>(value);
+    if (!number) throw std::invalid_argument(key + ": expected a number, got '" + value + "'");
+    return *number;
 }
 
 std::int64_t Query::integer(const std::string& key) const {
     const std::string value = text(key);
-    std::int64_t number = 0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (value.empty() || error != std::errc() || end != value.data() + value.size())
-        throw std::invalid_argument(key + ": expected a whole number, got '" + value + "'");
-    return number;
+    const auto number = settings::number_in<std::int64_t>(value);
+    if (!number) throw std::invalid_argument(key + ": expected a whole number, got '" + value + "'");
+    return *number;
 }
 
 bool is_token(std::string_view said, std::string_view token) {

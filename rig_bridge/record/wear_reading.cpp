@@ -2,17 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <limits>
 #include <stdexcept>
+
+#include "firmware/host/settings/number_in.hpp"
 
 namespace rig::record {
 
 double worn_share(const std::string& what, const std::string& text) {
     if (text == "none") return std::numeric_limits<double>::quiet_NaN();
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error == std::errc{} && end == text.data() + text.size() && value >= WearReading::kMin && value <= WearReading::kMax) return value;
+    const auto value = settings::number_in<double>(text);
+    if (value && *value >= WearReading::kMin && *value <= WearReading::kMax) return *value;
     throw std::invalid_argument(
         fmt::format("{}: '{}' is no worn share: 0 new, 1 at its limit ({} to {} with the reading's error); none withdraws one", what, text,
                     WearReading::kMin, WearReading::kMax));

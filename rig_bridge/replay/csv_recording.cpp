@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "firmware/host/settings/csv_field.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "rig_bridge/replay/foreign_log.hpp"
 #include "rig_bridge/replay/line_source.hpp"
 #include "rig_bridge/replay/recording.hpp"
@@ -83,12 +83,9 @@ class CsvRecording final : public Recording {
     [[nodiscard]] bool number(std::string_view cell, double& value) {
         text_.assign(cell);
         if (map_.decimal == ',') std::replace(text_.begin(), text_.end(), ',', '.');
-        const char* const begin = text_.data() + (text_.starts_with('+') ? 1 : 0);
-        const char* const end = text_.data() + text_.size();
-        double read = 0.0;
-        const auto [stop, error] = std::from_chars(begin, end, read);
-        if (error != std::errc{} || stop != end || !std::isfinite(read)) return false;
-        value = read;
+        const auto read = settings::number_in<double>(std::string_view(text_).substr(text_.starts_with('+') ? 1 : 0));
+        if (!read || !std::isfinite(*read)) return false;
+        value = *read;
         return true;
     }
 

@@ -4,13 +4,13 @@
 #include <sys/stat.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <span>
 #include <stdexcept>
 
 #include "firmware/host/settings/file_descriptor.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "rig_bridge/replay/mat_structure.hpp"
 #include "rig_bridge/replay/recording.hpp"
 
@@ -94,12 +94,8 @@ class MatRecording final : public Recording {
     std::vector<double> load(const std::string& column) {
         const auto colon = column.find(':');
         const auto dot = column.find('.');
-        std::size_t number = 1;
-        if (colon != std::string::npos) {
-            const auto [end, error] = std::from_chars(column.data() + colon + 1, column.data() + column.size(), number);
-            if (error != std::errc{} || end != column.data() + column.size() || number == 0)
-                throw std::runtime_error(name_ + ": '" + column + "': expected a column number from 1 after the colon");
-        }
+        const std::size_t number = colon == std::string::npos ? 1 : settings::number_in<std::size_t>(column.substr(colon + 1)).value_or(0);
+        if (number == 0) throw std::runtime_error(name_ + ": '" + column + "': expected a column number from 1 after the colon");
         const std::string variable = column.substr(0, std::min(dot, colon));
         const std::unique_ptr<matvar_t, FreeVariable> whole(Mat_VarRead(file_.get(), variable.c_str()));
         const matvar_t* found = whole.get();

@@ -1,12 +1,12 @@
 #include "rig_bridge/replay/player.hpp"
 #include "firmware/host/seconds.hpp"
 #include "firmware/host/settings/json.hpp"
+#include "firmware/host/settings/number_in.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <iterator>
 #include <optional>
@@ -95,10 +95,7 @@ struct Percentile {
 constexpr std::array kPercentiles{Percentile{"p50", 0.5}, Percentile{"p90", 0.9}, Percentile{"p99", 0.99}, Percentile{"p99_9", 0.999}};
 
 std::optional<std::uint32_t> hexadecimal(std::string_view text) {
-    std::uint32_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return value;
+    return settings::number_in<std::uint32_t>(text, 16);
 }
 
 }  // namespace

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "firmware/host/settings/csv_field.hpp"
 #include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/near_miss.hpp"
+#include "firmware/host/settings/number_in.hpp"
 
 namespace wear {
 
@@ -29,13 +29,11 @@ bool CsvRows::next() {
 }
 
 double csv_number(const std::string& file, unsigned line, std::string_view column, std::string_view field) {
-    double value = 0.0;
-    const char* const end = field.data() + field.size();
-    const auto [at, failure] = std::from_chars(field.data(), end, value);
-    if (failure != std::errc() || at != end || !std::isfinite(value))
+    const auto value = settings::number_in<double>(field);
+    if (!value || !std::isfinite(*value))
         throw settings::Error(file, line, std::string(column),
                               field.empty() ? std::string("no value") : fmt::format("'{}' is no finite number", settings::printable(field)));
-    return value;
+    return *value;
 }
 
 }  // namespace wear

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/json.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "plant_sim/study/paper/assets.hpp"
 #include "plant_sim/study/paper/output_html.hpp"
 #include "rig_bridge/panel/page.hpp"
@@ -178,10 +179,8 @@ std::string json_in(std::string_view file, const fs::path& directory, const fs::
 const Json& element(const Json& at, const std::string& step, std::string_view path) {
     const auto missing = [&]() -> const Json& { throw std::runtime_error(fmt::format("nothing at {} (no '{}')", path, step)); };
     if (at.is_array()) {
-        std::size_t index = 0;
-        const auto [end, error] = std::from_chars(step.data(), step.data() + step.size(), index);
-        if (error != std::errc{} || end != step.data() + step.size() || index >= at.size()) return missing();
-        return at[index];
+        const auto index = settings::number_in<std::size_t>(step);
+        return index && *index < at.size() ? at[*index] : missing();
     }
     const auto found = at.find(step);
     return found == at.end() ? missing() : *found;

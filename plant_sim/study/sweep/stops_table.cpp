@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <type_traits>
@@ -13,6 +12,7 @@
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/settings/input_file.hpp"
 #include "firmware/host/settings/json.hpp"
+#include "firmware/host/settings/number_in.hpp"
 
 namespace sweep {
 
@@ -85,12 +85,9 @@ class Fields {
 
     template <typename Number>
     Number number(std::string_view column, std::string_view text) const {
-        Number value{};
-        const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-        bool good = failure == std::errc() && end == text.data() + text.size();
-        if constexpr (std::is_floating_point_v<Number>) good = good && std::isfinite(value);
-        if (!good) reject(column, text, "a number");
-        return value;
+        const auto value = settings::number_in<Number>(text);
+        if (!value || !std::isfinite(static_cast<double>(*value))) reject(column, text, "a number");
+        return *value;
     }
 
     bool choice(std::string_view column, std::string_view yes, std::string_view no) {
