@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "firmware/host/settings/csv_field.hpp"
 #include "firmware/host/settings/settings.hpp"
 
 namespace wear {
@@ -56,8 +57,7 @@ std::vector<std::string> surfaces_of(const SurfaceTable& table, const std::strin
     std::vector<std::string> named;
     std::istringstream in(text);
     for (std::string name; std::getline(in, name, ',');) {
-        name.erase(0, name.find_first_not_of(' '));
-        name.erase(name.find_last_not_of(' ') + 1);
+        name = settings::trimmed(name);
         if (table.find(name) == nullptr)
             throw std::invalid_argument(
                 fmt::format("'{}' is no surface of the table of J_mu: expected all, or of {}, "
