@@ -4,7 +4,7 @@
 /// opened.
 ///
 ///     Ledger ledger("runs/campaign.sqlite");
-///     ledger.open_campaign(campaign, IfChanged::refuse);      // new, or resumed; settles what a killed bridge left
+///     ledger.open_campaign(campaign, IfChanged::reject);      // new, or resumed; settles what a killed bridge left
 ///     while (auto number = ledger.next_number()) {            // none: the campaign is complete
 ///         const Attempt attempt = ledger.begin(*number, started);
 ///         ... run it, record into attempt.folder, write_summary(attempt.folder / "summary.json", summary) ...
@@ -30,6 +30,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "firmware/host/settings/storage.hpp"
@@ -70,6 +71,9 @@ struct Attempt {
     std::int64_t number = 0;
     std::int64_t attempt = 0;      ///< from 1
     std::filesystem::path folder;  ///< not created yet; CAMPAIGN/0001 beside the ledger, CAMPAIGN/0001.2 for the second attempt
+
+    friend bool operator==(const Attempt& a, const Attempt& b) { return a.number == b.number && a.attempt == b.attempt; }
+    friend bool operator<(const Attempt& a, const Attempt& b) { return std::tie(a.number, a.attempt) < std::tie(b.number, b.attempt); }
 };
 
 enum class RowState : std::uint8_t { running, finished, aborted, unfinished };
@@ -175,6 +179,8 @@ class Ledger {
 /// Every row of a campaign, oldest first, without taking the lock; an older schema is read and not changed. Throws settings::Error if the file is not
 /// a ledger, has a newer schema or no such campaign.
 [[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign, const LedgerOptions& options = {});
+/// The row of this attempt; null: there is none.
+[[nodiscard]] const LedgerRow* row_of(const std::vector<LedgerRow>& rows, const Attempt& attempt);
 /// The campaigns of a ledger, oldest first.
 [[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path, const LedgerOptions& options = {});
 

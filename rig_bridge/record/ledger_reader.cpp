@@ -166,6 +166,11 @@ std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::file
     return all;
 }
 
+const LedgerRow* row_of(const std::vector<LedgerRow>& rows, const Attempt& attempt) {
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const LedgerRow& row) { return row.attempt == attempt; });
+    return found == rows.end() ? nullptr : &*found;
+}
+
 std::vector<Campaign> read_campaigns(const std::filesystem::path& path, const LedgerOptions& options) {
     const LedgerDatabase database(path, LedgerDatabase::Access::read, options);
     Statement rows = database.prepare(fmt::format("SELECT {} FROM campaigns ORDER BY id", LedgerDatabase::kCampaignColumns));
@@ -203,9 +208,8 @@ void Ledger::amend(std::int64_t number, std::int64_t attempt, const Amendment& a
     if (amendment.who.empty() || amendment.why.empty()) throw LedgerError(where + " is amended only with who and why");
     LedgerDatabase::Transaction transaction(impl_->database);
     const std::vector<LedgerRow> rows = read_rows(impl_->database, impl_->path, impl_->campaign.name, impl_->id);
-    const auto row =
-        std::find_if(rows.begin(), rows.end(), [&](const LedgerRow& one) { return one.attempt.number == number && one.attempt.attempt == attempt; });
-    if (row == rows.end()) throw LedgerError(where + " is not in campaign '" + impl_->campaign.name + "'");
+    const LedgerRow* const row = row_of(rows, {number, attempt, {}});
+    if (row == nullptr) throw LedgerError(where + " is not in campaign '" + impl_->campaign.name + "'");
     if (std::any_of(rows.begin(), rows.end(), [](const LedgerRow& one) { return one.state == RowState::running; }))
         throw LedgerError(where + " cannot be amended while a maneuver is running; resume the campaign first");
     impl_->database

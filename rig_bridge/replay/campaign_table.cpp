@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
-#include <tuple>
 
 #include "firmware/host/settings/csv_field.hpp"
 #include "firmware/host/settings/json.hpp"
+#include "firmware/host/settings/number_in.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
@@ -24,17 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Parses "0012" or "0012.3".
-std::optional<ManeuverFolder> as_maneuver(const fs::path& path) {
+std::optional<record::Attempt> as_maneuver(const fs::path& path) {
     const std::string name = path.filename().string();
-    ManeuverFolder folder{.path = path, .number = 0, .attempt = 1};
-    const char* const end = name.data() + name.size();
-    auto [at, error] = std::from_chars(name.data(), end, folder.number);
-    if (error != std::errc{} || folder.number < 1) return std::nullopt;
-    if (at == end) return folder;
-    if (*at != '.') return std::nullopt;
-    const auto [last, second] = std::from_chars(at + 1, end, folder.attempt);
-    if (second != std::errc{} || last != end || folder.attempt < 2) return std::nullopt;
-    return folder;
+    const auto dot = name.find('.');
+    const auto number = settings::number_in<std::int64_t>(name.substr(0, dot));
+    if (!number || *number < 1) return std::nullopt;
+    if (dot == std::string::npos) return record::Attempt{*number, 1, path};
+    const auto attempt = settings::number_in<std::int64_t>(name.substr(dot + 1));
+    if (!attempt || *attempt < 2) return std::nullopt;
+    return record::Attempt{*number, *attempt, path};
 }
 
 void compare_figures(const record::Figures& rebuilt, const char* from, const record::Figures& stated, const char* where,
@@ -53,45 +50,42 @@ class Rebuild {
   public:
     explicit Rebuild(const CampaignSources& sources) : sources_(sources) { table_.with_ledger = sources.with_ledger; }
 
-    CampaignTable run(const std::vector<ManeuverFolder>& folders) {
-        for (const ManeuverFolder& folder : folders)
-            if (scenario_.empty() && fs::exists(folder.path / "summary.json"))
-                scenario_ = record::read_summary(folder.path / "summary.json").scenario;
-        for (const auto& [folder, there] : attempts(folders)) add(folder, there);
+    CampaignTable run(const std::vector<record::Attempt>& folders) {
+        for (const record::Attempt& attempt : folders)
+            if (scenario_.empty() && fs::exists(attempt.folder / "summary.json"))
+                scenario_ = record::read_summary(attempt.folder / "summary.json").scenario;
+        for (const auto& [attempt, there] : attempts(folders)) add(attempt, there);
         return table_;
     }
 
   private:
     struct One {
-        ManeuverFolder folder;
+        record::Attempt attempt;
         bool there = true;  // else only in the ledger
     };
 
     /// By number and attempt, those of the ledger that have no folder among them.
-    [[nodiscard]] std::vector<One> attempts(const std::vector<ManeuverFolder>& folders) const {
+    [[nodiscard]] std::vector<One> attempts(const std::vector<record::Attempt>& folders) const {
         std::vector<One> all;
         all.reserve(folders.size() + sources_.ledger.size());
-        for (const ManeuverFolder& folder : folders) all.push_back({.folder = folder});
+        for (const record::Attempt& attempt : folders) all.push_back({.attempt = attempt});
         for (const record::LedgerRow& row : sources_.ledger) {
-            const auto same = [&](const ManeuverFolder& f) { return f.number == row.attempt.number && f.attempt == row.attempt.attempt; };
             // A bridge that died before it made the folder knows nothing of the attempt.
             const bool known = row.has_figures || !row.amendments.empty() || !row.notes.empty();
-            if (!known || std::any_of(folders.begin(), folders.end(), same)) continue;
-            all.push_back({.folder = {.path = row.attempt.folder, .number = row.attempt.number, .attempt = row.attempt.attempt}, .there = false});
+            if (known && std::find(folders.begin(), folders.end(), row.attempt) == folders.end())
+                all.push_back({.attempt = row.attempt, .there = false});
         }
-        std::sort(all.begin(), all.end(), [](const One& a, const One& b) {
-            return std::tie(a.folder.number, a.folder.attempt) < std::tie(b.folder.number, b.folder.attempt);
-        });
+        std::sort(all.begin(), all.end(), [](const One& a, const One& b) { return a.attempt < b.attempt; });
         return all;
     }
 
-    void add(const ManeuverFolder& folder, bool there) {
+    void add(const record::Attempt& attempt, bool there) {
         CampaignRow row;
-        row.folder = folder;
-        const record::LedgerRow* const ledger = ledger_row(folder);
+        row.attempt = attempt;
+        const record::LedgerRow* const ledger = row_of(sources_.ledger, attempt);
         std::optional<record::Summary> stated;
-        if (there && fs::exists(folder.path / "summary.json")) {
-            row.summary = *(stated = record::read_summary(folder.path / "summary.json"));
+        if (there && fs::exists(attempt.folder / "summary.json")) {
+            row.summary = *(stated = record::read_summary(attempt.folder / "summary.json"));
         } else if (ledger != nullptr) {
             row.summary = ledger->summary;
             row.summary.specimen = ledger->recorded;
@@ -126,7 +120,7 @@ class Rebuild {
 
     /// The log of the row's folder; empty if there is none, or none of the frames that were recorded is in it.
     static fs::path log_with_lines(const CampaignRow& row) {
-        const fs::path log = log_in(row.folder.path);
+        const fs::path log = log_in(row.attempt.folder);
         return !log.empty() && row.summary.frames > 0 && fs::file_size(log) == 0 ? fs::path() : log;
     }
 
@@ -167,13 +161,6 @@ class Rebuild {
             row.differences.push_back(fmt::format("{:.6g} MJ are in its log, none in the ledger", row.summary.figures.energy_brake_J * 1e-6));
     }
 
-    [[nodiscard]] const record::LedgerRow* ledger_row(const ManeuverFolder& folder) const {
-        const auto found = std::find_if(sources_.ledger.begin(), sources_.ledger.end(), [&](const record::LedgerRow& row) {
-            return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
-        });
-        return found == sources_.ledger.end() ? nullptr : &*found;
-    }
-
     /// Whether the attempt's log counts.
     bool measure(CampaignRow& row, const fs::path& log) {
         LogWarnings warnings = sources_.warnings(log.string());
@@ -193,8 +180,8 @@ class Rebuild {
     bool amended_ = false;
 };
 
-std::string title(const ManeuverFolder& folder) {
-    return folder.attempt == 1 ? fmt::format("{:04}", folder.number) : fmt::format("{:04}.{}", folder.number, folder.attempt);
+std::string title(const record::Attempt& a) {
+    return a.attempt == 1 ? fmt::format("{:04}", a.number) : fmt::format("{:04}.{}", a.number, a.attempt);
 }
 
 std::string verdict(const CampaignTable& table) {
@@ -204,20 +191,17 @@ std::string verdict(const CampaignTable& table) {
 
 }  // namespace
 
-std::vector<ManeuverFolder> maneuver_folders(const fs::path& campaign) {
-    std::vector<ManeuverFolder> folders;
+std::vector<record::Attempt> maneuver_folders(const fs::path& campaign) {
+    std::vector<record::Attempt> folders;
     if (!fs::is_directory(campaign)) throw std::runtime_error(campaign.string() + ": is no directory; expected the folder of a campaign");
     for (const fs::directory_entry& entry : fs::directory_iterator(campaign))
         if (const auto folder = entry.is_directory() ? as_maneuver(entry.path()) : std::nullopt) folders.push_back(*folder);
     if (folders.empty()) throw std::runtime_error(campaign.string() + ": holds no maneuvers; expected folders 0001, 0002, ...");
-    std::sort(folders.begin(), folders.end(),
-              [](const ManeuverFolder& a, const ManeuverFolder& b) { return a.number != b.number ? a.number < b.number : a.attempt < b.attempt; });
-    const auto twice = std::adjacent_find(folders.begin(), folders.end(), [](const ManeuverFolder& a, const ManeuverFolder& b) {
-        return a.number == b.number && a.attempt == b.attempt;
-    });
+    std::sort(folders.begin(), folders.end());
+    const auto twice = std::adjacent_find(folders.begin(), folders.end());
     if (twice != folders.end())
-        throw std::runtime_error(fmt::format("{} and {} are both maneuver {}, attempt {}: keep one of them under {}", twice->path.string(),
-                                             std::next(twice)->path.string(), twice->number, twice->attempt, campaign.string()));
+        throw std::runtime_error(fmt::format("{} and {} are both maneuver {}, attempt {}: keep one of them under {}", twice->folder.string(),
+                                             std::next(twice)->folder.string(), twice->number, twice->attempt, campaign.string()));
     return folders;
 }
 
@@ -229,7 +213,7 @@ std::uint64_t CampaignTable::different() const {
     return static_cast<std::uint64_t>(std::count_if(rows.begin(), rows.end(), [](const auto& r) { return !r.differences.empty(); }));
 }
 
-CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources) {
+CampaignTable rebuild_campaign(const std::vector<record::Attempt>& folders, const CampaignSources& sources) {
     return Rebuild(sources).run(folders);
 }
 
@@ -241,9 +225,9 @@ std::string to_text(const CampaignTable& table) {
         const record::Figures& f = row.summary.figures;
         if (const std::string now = to_text(row.specimen); now != parts) text.line("    from here on: " + (parts = now));
         if (row.counted)
-            text.add(title(row.folder), row.summary.cumulative_energy_J * 1e-6, f.mean_friction, f.brake_on_mps, f.duration_s);
+            text.add(title(row.attempt), row.summary.cumulative_energy_J * 1e-6, f.mean_friction, f.brake_on_mps, f.duration_s);
         else
-            text.add(title(row.folder), "", "", "", "");
+            text.add(title(row.attempt), "", "", "", "");
         text.add("  " + row.summary.outcome);
         for (const std::string& warning : row.summary.warnings) text.line("    " + warning);
         for (const std::string& difference : row.differences) text.line("    DIFFERS: " + difference);
@@ -261,7 +245,7 @@ std::string to_csv(const CampaignTable& table) {
     auto csv = settings::TextTable::csv(columns);
     for (const CampaignRow& row : table.rows) {
         if (!row.counted) continue;
-        csv.add(row.folder.number, row.folder.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
+        csv.add(row.attempt.number, row.attempt.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
         for (const record::FigureField& field : record::kFigureFields) csv.add(row.summary.figures.*field.value);
         for (const record::SpecimenField& field : record::kSpecimenFields) csv.add(settings::csv_field(row.specimen.*field.value));
         csv.add(row.disc_energy_J);
@@ -276,8 +260,8 @@ std::string to_csv(const CampaignTable& table) {
 std::string to_json(const CampaignTable& table, const std::string& campaign) {
     auto rows = settings::Json::array();
     for (const CampaignRow& row : table.rows) {
-        settings::Json one{{"number", row.folder.number},
-                           {"attempt", row.folder.attempt},
+        settings::Json one{{"number", row.attempt.number},
+                           {"attempt", row.attempt.attempt},
                            {"outcome", row.summary.outcome},
                            {"counted", row.counted},
                            {"cumulative_energy_J", row.summary.cumulative_energy_J}};

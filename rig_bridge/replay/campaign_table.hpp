@@ -14,22 +14,15 @@
 
 namespace rig::replay {
 
-/// One folder of a campaign: one attempt at one maneuver.
-struct ManeuverFolder {
-    std::filesystem::path path;
-    std::int64_t number = 0;
-    std::int64_t attempt = 1;
-};
-
 /// The folders NNNN and NNNN.A of `campaign`, by number and attempt. Throws std::runtime_error when there is none, or two for the
 /// same attempt (1 and 0001).
-[[nodiscard]] std::vector<ManeuverFolder> maneuver_folders(const std::filesystem::path& campaign);
+[[nodiscard]] std::vector<record::Attempt> maneuver_folders(const std::filesystem::path& campaign);
 
 /// Warning of a row with known figures whose log is lost: they are those of summary.json or of the ledger.
 inline constexpr std::string_view kLogMissing = "log_missing";
 
 struct CampaignRow {
-    ManeuverFolder folder;
+    record::Attempt attempt;
     bool counted = false;  ///< has figures, and its energy counts
     bool ended = false;    ///< finished or aborted, by a summary.json or by the ledger
     /// summary.json, or the ledger's without it. Figures and warnings from the log if there is one; sums from all rows, as amended.
@@ -65,7 +58,7 @@ void write_ledger(const std::filesystem::path& file, const record::Campaign& cam
 
 /// Reads every log of the folders; rows by number and attempt, those of the ledger without a folder among them. A missing log or folder counts as a
 /// difference, and what is known without it stays, with kLogMissing. Amendments in the ledger are applied.
-[[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources);
+[[nodiscard]] CampaignTable rebuild_campaign(const std::vector<record::Attempt>& folders, const CampaignSources& sources);
 
 [[nodiscard]] std::string to_text(const CampaignTable& table);
 /// number,attempt,outcome,cumulative_energy_J, every figure, the specimen's fields and disc_energy_J by their keys.

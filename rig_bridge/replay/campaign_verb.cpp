@@ -33,7 +33,7 @@ struct CampaignCommand {
     int run() const {
         const antiskid::can::Layout layout = configured([&] { return antiskid::LayoutFiles(config, dbc, binding).load(); });
         const fs::path place = campaign_folder();
-        const std::vector<ManeuverFolder> folders = maneuver_folders(place);
+        const std::vector<record::Attempt> folders = maneuver_folders(place);
         std::map<std::string, record::MeterParameters> known;
         CampaignSources sources{.layout = layout,
                                 .parameters = [&](const std::string& name) { return parameters(known, name); },
@@ -69,7 +69,7 @@ struct CampaignCommand {
                 return {.name = name,
                         .scenario = s.scenario,
                         .seed = s.seed,
-                        .planned = table.rows.back().folder.number,
+                        .planned = table.rows.back().attempt.number,
                         .config_hash = s.config_hash,
                         .version = s.version,
                         .created = s.started};
