@@ -17,6 +17,9 @@ class Random {
         return z ^ (z >> 31U);
     }
 
+    /// In [0, 1).
+    double uniform() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
+
     /// Mean 0, standard deviation 1, bounded at 3.46: the sum of four uniform draws, good enough for sensor noise; the bound keeps edge times in
     /// order. The error of its distribution function against the normal is below 0.01.
     double noise() {

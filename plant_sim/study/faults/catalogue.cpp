@@ -58,15 +58,15 @@ Fault draw(Pair what, rig::Random& random) {
     constexpr double kShortest_s = 5e-3;
     constexpr double kLongest_s = 1.0;
     Fault fault{.what = what};
-    fault.strength = uniform(random);
-    const double share = uniform(random);
-    fault.share = share < 0.4 ? 1.0 : between(kRarest, 1.0, uniform(random));
+    fault.strength = random.uniform();
+    const double share = random.uniform();
+    fault.share = share < 0.4 ? 1.0 : between(kRarest, 1.0, random.uniform());
     // An emergency stop of which no frame arrives cannot be received: for a cut wire the rig needs its own emergency chain.
     constexpr double kMaxOfStop = 0.9;
     if (what.signal == Signal::emergency_stop) fault.share = std::min(fault.share, kMaxOfStop);
-    fault.negative = uniform(random) < 0.5;
-    const bool lasting = uniform(random) < 0.5;
-    fault.lasts_s = lasting ? Fault::kForGood : between(kShortest_s, kLongest_s, uniform(random));
+    fault.negative = random.uniform() < 0.5;
+    const bool lasting = random.uniform() < 0.5;
+    fault.lasts_s = lasting ? Fault::kForGood : between(kShortest_s, kLongest_s, random.uniform());
     return fault;
 }
 

@@ -98,10 +98,6 @@ struct Fault {
 /// Draws a fault; half of all faults are permanent.
 [[nodiscard]] Fault draw(Pair what, rig::Random& random);
 
-/// Uniform in [0, 1).
-[[nodiscard]] inline double uniform(rig::Random& random) {
-    return static_cast<double>(random.bits() >> 11U) * 0x1.0p-53;
-}
 /// Interpolates from `low` to `high`, both above 0, in their logarithm; `strength`: 0 to 1.
 [[nodiscard]] double between(double low, double high, double strength);
 

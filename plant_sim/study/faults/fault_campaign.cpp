@@ -72,7 +72,7 @@ Case FaultPlan::at(std::size_t number) const {
     c.sensor_seed = sensors.bits();
     rig::Random random(rig::Random(seed).bits() ^ number);
     c.fault = draw(what, random);
-    c.at = uniform(random);
+    c.at = random.uniform();
     c.fault_seed = random.bits();
     return c;
 }

@@ -76,9 +76,9 @@ void FrameFault::send(const Frame& live, bool active, std::int64_t period, rig::
         arrive(live, period + static_cast<std::int64_t>(between(2.0, max_delay_, fault_.strength)));
     } else if (active && fault_.what.kind == Kind::jitter) {
         const double max = between(1.0, std::min(50.0, max_delay_), fault_.strength);
-        in_order_ = std::max(in_order_, period + static_cast<std::int64_t>((max + 1.0) * uniform(random)));
+        in_order_ = std::max(in_order_, period + static_cast<std::int64_t>((max + 1.0) * random.uniform()));
         arrive(live, in_order_);
-    } else if (active && uniform(random) < fault_.share) {
+    } else if (active && random.uniform() < fault_.share) {
         hit(live, period, random);
     } else {
         arrive(live, period);

@@ -11,12 +11,12 @@ MachineFault::Effect MachineFault::effect(bool active, rig::Random& random) {
     switch (fault_.what.kind) {
         case Kind::overrun: {
             const auto burst = static_cast<std::int64_t>(between(1.0, 300.0, fault_.strength));
-            effect.misses_period = fault_.negative ? period / burst % 2 == 0 : uniform(random) < fault_.share;
+            effect.misses_period = fault_.negative ? period / burst % 2 == 0 : random.uniform() < fault_.share;
             break;
         }
         case Kind::bus_off: {
             constexpr std::int64_t kStretch = 20;
-            if (period % kStretch == 0) off_ = !fault_.negative || uniform(random) < fault_.share;
+            if (period % kStretch == 0) off_ = !fault_.negative || random.uniform() < fault_.share;
             effect.bus_off = off_;
             break;
         }

@@ -101,7 +101,7 @@ class SampleFault {
         unsigned wrong = law;
         if (fault_.what.kind == Kind::bias) wrong = (law + 1U) % kLaws;
         if (fault_.what.kind == Kind::saturation) wrong = fault_.negative ? kLaws : 7U;
-        if (fault_.what.kind == Kind::spike && uniform(random) < fault_.share) wrong = static_cast<unsigned>(random.bits() % kLaws);
+        if (fault_.what.kind == Kind::spike && random.uniform() < fault_.share) wrong = static_cast<unsigned>(random.bits() % kLaws);
         maneuver.law = static_cast<Law>(wrong);
     }
 

@@ -24,7 +24,7 @@ double ValueFault::apply(double value, bool active, rig::Random& random) {
         case Kind::noise:
             return value + size * random.noise();
         case Kind::spike:
-            return uniform(random) < fault_.share ? value + offset : value;
+            return random.uniform() < fault_.share ? value + offset : value;
         case Kind::saturation:
             return fault_.negative ? scale_.full : std::min(value, fault_.strength * scale_.full);
         case Kind::wrong_sign:
@@ -42,9 +42,9 @@ bool SwitchFault::apply(bool value, bool active, rig::Random& random) {
         case Kind::freeze:
             return at_start_;
         case Kind::noise:
-            return uniform(random) < 0.5;
+            return random.uniform() < 0.5;
         case Kind::spike:
-            return (uniform(random) < fault_.share) != value;
+            return (random.uniform() < fault_.share) != value;
         case Kind::wrong_sign:
             return !value;
         default:
@@ -70,7 +70,7 @@ double EncoderFault::wrong_speed(double speed_radps, rig::Random& random) const 
             wrong = speed_radps * (1.0 + between(0.01, 0.3, fault_.strength) * random.noise());
             break;
         case Kind::spike:
-            if (uniform(random) < fault_.share) wrong = speed_radps * (1.0 + sign * between(0.2, 10.0, fault_.strength));
+            if (random.uniform() < fault_.share) wrong = speed_radps * (1.0 + sign * between(0.2, 10.0, fault_.strength));
             break;
         case Kind::saturation:
             wrong = fault_.negative ? full_radps_ : std::min(speed_radps, between(0.05, 0.9, fault_.strength) * full_radps_);

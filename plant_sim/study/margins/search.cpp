@@ -16,11 +16,8 @@ namespace {
 
 constexpr double kRecombination = 0.9;
 
-double uniform(rig::Random& random) {
-    return static_cast<double>(random.bits() >> 11U) * 0x1p-53;
-}
 std::size_t index(rig::Random& random, std::size_t count) {
-    return std::min(static_cast<std::size_t>(uniform(random) * static_cast<double>(count)), count - 1);
+    return std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(count)), count - 1);
 }
 
 /// Value of one unit of the last digit.
@@ -87,7 +84,7 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
     for (std::size_t i = 0; i < members; ++i) {
         for (std::size_t k = 0; k < n; ++k) {
             const double low = std::log(parameters[k].low), high = std::log(parameters[k].high);
-            place[i][k] = i == 0 && started ? std::log(*parameters[k].start) : low + uniform(random) * (high - low);
+            place[i][k] = i == 0 && started ? std::log(*parameters[k].start) : low + random.uniform() * (high - low);
         }
         candidates[i].values = values(place[i]);
     }
@@ -98,11 +95,11 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
         const std::vector<double>& leader = place[best()];
         for (std::size_t i = 0; i < members; ++i) {
             const std::size_t a = index(random, members), b = index(random, members);
-            const double f = 0.4 + 0.5 * uniform(random);
+            const double f = 0.4 + 0.5 * random.uniform();
             const std::size_t always = index(random, n);
             trials[i] = place[i];
             for (std::size_t k = 0; k < n; ++k) {
-                if (uniform(random) > kRecombination && k != always) continue;
+                if (random.uniform() > kRecombination && k != always) continue;
                 trials[i][k] = std::clamp(leader[k] + f * (place[a][k] - place[b][k]), std::log(parameters[k].low), std::log(parameters[k].high));
             }
             candidates[i] = {values(trials[i]), scores[i]};
