@@ -36,10 +36,6 @@ using panel::LiveSample;
 using panel::Signal;
 using settings::Json;
 
-Json known(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json to_json(const record::LedgerRow& row, const std::string& campaign) {
     const record::Summary& s = row.summary;
     Json run{
@@ -48,7 +44,7 @@ Json to_json(const record::LedgerRow& row, const std::string& campaign) {
         {"started", s.started},           {"scenario", s.scenario}};
     Json& configuration = run["configuration"];
     configuration = {{"scenario", s.scenario},
-                     {"slip reference", known(row.slip_reference)},
+                     {"slip reference", row.slip_reference},
                      {"seed", s.seed},
                      {"version", s.version},
                      {"configuration hash", s.config_hash},
@@ -60,7 +56,7 @@ Json to_json(const record::LedgerRow& row, const std::string& campaign) {
     if (row.has_figures)
         for (const record::FigureField& field : record::kFigureFields) {
             const std::string unit = *field.unit == '\0' ? "" : ", " + std::string(field.unit);
-            run["figures"][field.label + unit] = known(s.figures.*field.value * field.scale);
+            run["figures"][field.label + unit] = s.figures.*field.value * field.scale;
         }
     run["notes"] = Json::array();
     for (const record::Note& note : row.notes)

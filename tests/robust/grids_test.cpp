@@ -103,7 +103,7 @@ TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
     CHECK(all.median_s == Approx(0.044));  // 3 each up to 0.020 and from 0.026 on, 2 between: the 125th of 250
     CHECK(std::isinf(all.worst_s));
     CHECK(all.worst == 22);
-    const auto json = changes_json(plan, rows);
+    const auto json = settings::parse_json(settings::json_line(changes_json(plan, rows)));
     CHECK(json["summaries"][0]["worst_s"].is_null());
     CHECK(json["changes"][22]["regained_s"].is_null());
     CHECK(json["changes"][23]["measured"] == false);

@@ -16,7 +16,8 @@ using Json = nlohmann::ordered_json;
 /// Throws Json::parse_error, which names the place.
 [[nodiscard]] Json parse_json(std::string_view text);
 
-/// json_line(): on one line. json_page(): for result files, indented by two, with a final line feed. Bytes that are not UTF-8 are replaced by U+FFFD.
+/// json_line(): on one line. json_page(): for result files, indented by two, with a final line feed. Bytes that are not UTF-8 are replaced by U+FFFD;
+/// a number that is not finite is written as null.
 [[nodiscard]] std::string json_line(const Json& json);
 [[nodiscard]] std::string json_page(const Json& json);
 

@@ -78,9 +78,9 @@ settings::Json summary_json(const RobustPlan& plan, const ChangesSummary& s) {
     if (s.measured == 0) return json;
     json["within_0.4_s"] = s.in_time;
     json["never"] = s.never;
-    json["median_s"] = study::or_null(s.median_s);
-    json["percentile_90_s"] = study::or_null(s.percentile_90_s);
-    json["worst_s"] = study::or_null(s.worst_s);
+    json["median_s"] = s.median_s;
+    json["percentile_90_s"] = s.percentile_90_s;
+    json["worst_s"] = s.worst_s;
     json["worst_is"] = change_is(plan, s.worst);
     return json;
 }

@@ -13,7 +13,6 @@
 
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/study/json_number.hpp"
 #include "plant_sim/study/order_statistics.hpp"
 #include "plant_sim/study/robust/brake_on_report.hpp"
 #include "plant_sim/study/robust/changes_report.hpp"
@@ -163,9 +162,9 @@ std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const 
                                     {"mean_valve_travel_mAps", s.mean_travel_mAps}});
         if (const auto& a = s.against_told_peak)
             json["families"].back()["distance_over_told_peak"] = {{"draws", a->draws},
-                                                                  {"mean", study::or_null(a->mean)},
-                                                                  {"percentile_90", study::or_null(a->percentile_90)},
-                                                                  {"percentile_99", study::or_null(a->percentile_99)},
+                                                                  {"mean", a->mean},
+                                                                  {"percentile_90", a->percentile_90},
+                                                                  {"percentile_99", a->percentile_99},
                                                                   {"within_3_percent", a->within}};
     }
     const auto has = [&](Family family) { return std::find(plan.families.begin(), plan.families.end(), family) != plan.families.end(); };
