@@ -16,7 +16,6 @@
 #include "plant_sim/scenario/brake_options.hpp"
 #include "plant_sim/study/torque_replay.hpp"
 #include "plant_sim/wear/resimulation.hpp"
-#include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim::lab {

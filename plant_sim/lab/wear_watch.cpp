@@ -11,7 +11,7 @@
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/wear/fault_trial.hpp"
-#include "rig_bridge/wear/json_object.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim::lab {
 

@@ -9,7 +9,6 @@
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/input_file.hpp"
 #include "firmware/host/settings/json.hpp"
-#include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
 namespace wear {
@@ -51,12 +50,12 @@ std::string to_json(const BrakeState& state, const BrakeWear& wear) {
 }
 
 BrakeState brake_state_from_json(const std::string& name, std::string_view text, const BrakeWear& wear) {
-    const Json json = parsed_json(name, text);
-    JsonObject root(name, "", json);
+    const Json json = settings::parsed_json(name, text);
+    settings::JsonObject root(name, "", json);
     root.check_format(kBrakeStateFormat, kBrakeStateFormatVersion);
     const std::string hash = root.text("wear_hash");
     const BrakeState state{.seed = root.count("seed"), .maneuvers = root.count("maneuvers"), .c_e_J = root.number("cumulative_energy_J")};
-    if (state.c_e_J < 0.0) throw Error(name, 0, "cumulative_energy_J", "must not be negative");
+    if (state.c_e_J < 0.0) root.fail("cumulative_energy_J", "must not be negative");
     const std::string sum = root.text("check_sum");
     root.finish();
     if (sum != check_sum(hash, state))

@@ -6,8 +6,8 @@
 
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/json_number.hpp"
-#include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/landings_forecast.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 
 namespace wear {
 

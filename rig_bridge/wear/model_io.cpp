@@ -5,18 +5,16 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/input_file.hpp"
-#include "firmware/host/settings/json.hpp"
-#include "rig_bridge/wear/json_object.hpp"
+#include "firmware/host/settings/near_miss.hpp"
 
 namespace wear {
 
 namespace {
 
-using settings::Error;
 using settings::Json;
-using Reader = JsonObject;
+using Reader = settings::JsonObject;
 
-Model::Data data_of(Reader r, const std::string& file, bool says_origin) {
+Model::Data data_of(Reader r, bool says_origin) {
     Model::Data d;
     d.source = r.text("source");
     d.hash = r.text("hash");
@@ -25,9 +23,9 @@ Model::Data data_of(Reader r, const std::string& file, bool says_origin) {
     d.last_c_e_J = r.positive("last_cumulative_energy_J");
     d.min_friction = r.positive("min_mean_friction");
     d.greatest_friction = r.positive("greatest_mean_friction");
-    if (says_origin) d.origin = r.origin();
+    if (says_origin) d.origin = origin_in(r);
     r.finish();
-    if (d.last_c_e_J <= d.first_c_e_J) throw Error(file, 0, "data.last_cumulative_energy_J", "must be above the first");
+    if (d.last_c_e_J <= d.first_c_e_J) r.fail("last_cumulative_energy_J", "must be above the first");
     return d;
 }
 
@@ -67,6 +65,16 @@ Json json_of(const Component& c) {
 
 }  // namespace
 
+std::string origin_in(settings::JsonObject& r) {
+    const std::string text = r.text("origin");
+    if (!is_origin(text)) r.fail("origin", "must begin with 'measured' or 'made up', or be 'unknown origin'");
+    return settings::printable(text);
+}
+
+Json json_of(const Provenance& p) {
+    return {{"origin", p.origin}, {"lives", p.lives}};
+}
+
 std::string to_json(const Model& m) {
     Json orders = Json::array();
     for (const Model::Candidate& o : m.orders) {
@@ -96,10 +104,10 @@ std::string to_json(const Model& m) {
 }
 
 Model from_json(const std::string& name, std::string_view text) {
-    const Json json = parsed_json(name, text);
+    const Json json = settings::parsed_json(name, text);
     Reader root(name, "", json);
     const bool says_origin = root.check_format(kModelFormat, kModelFormatVersion, 1) > 1;
-    const Model::Data data = data_of(root.object("data"), name, says_origin);
+    const Model::Data data = data_of(root.object("data"), says_origin);
     const Model::Search search = search_of(root.object("search"));
     std::vector<Model::Candidate> orders;
     for (const Reader& r : root.objects("orders")) orders.push_back(order_of(r));
@@ -109,7 +117,7 @@ Model from_json(const std::string& name, std::string_view text) {
     try {
         return {data, search, orders, Mixture(components)};
     } catch (const std::invalid_argument& e) {
-        throw Error(name, 0, "components", e.what());
+        root.fail("components", e.what());
     }
 }
 

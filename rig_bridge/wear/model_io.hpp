@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/json_object.hpp"
 #include "rig_bridge/wear/model.hpp"
 
 namespace wear {
@@ -21,5 +21,9 @@ constexpr int kModelFormatVersion = 2;
 [[nodiscard]] Model from_json(const std::string& name, std::string_view json);
 
 [[nodiscard]] Model read_model(const std::filesystem::path& json);
+
+[[nodiscard]] settings::Json json_of(const Provenance& provenance);
+/// The key `origin` of a learnt file.
+[[nodiscard]] std::string origin_in(settings::JsonObject& object);
 
 }  // namespace wear

@@ -4,69 +4,67 @@
 
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/input_file.hpp"
-#include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
 namespace wear {
 
 namespace {
 
-using settings::Error;
 using settings::Json;
-using Reader = JsonObject;
+using Reader = settings::JsonObject;
 
-double share(Reader& r, const std::string& file, const char* key) {
+double share(Reader& r, const char* key) {
     const double value = r.number(key);
-    if (value < 0.0 || value > 1.0) throw Error(file, 0, key, fmt::format("{} must be within 0 to 1", value));
+    if (value < 0.0 || value > 1.0) r.fail(key, fmt::format("{} must be within 0 to 1", value));
     return value;
 }
 
-double not_negative(Reader& r, const std::string& file, const char* key) {
+double not_negative(Reader& r, const char* key) {
     const double value = r.number(key);
-    if (value < 0.0) throw Error(file, 0, key, fmt::format("{} must not be negative", value));
+    if (value < 0.0) r.fail(key, fmt::format("{} must not be negative", value));
     return value;
 }
 
-Scatter scatter_of(Reader r, const std::string& file) {
+Scatter scatter_of(Reader r) {
     Scatter s;
-    s.memory = share(r, file, "memory");
-    s.remembered = not_negative(r, file, "remembered");
+    s.memory = share(r, "memory");
+    s.remembered = not_negative(r, "remembered");
     s.fresh = r.positive("fresh");
-    s.drift_per_root_MJ = not_negative(r, file, "drift_per_root_MJ");
+    s.drift_per_root_MJ = not_negative(r, "drift_per_root_MJ");
     r.finish();
-    if (s.memory >= 1.0) throw Error(file, 0, "scatter.memory", "must be below 1");
+    if (s.memory >= 1.0) r.fail("memory", "must be below 1");
     return s;
 }
 
-Spread spread_of(Reader r, const std::string& file) {
+Spread spread_of(Reader r) {
     Spread s;
-    s.log_energy_scale = not_negative(r, file, "log_energy_scale");
-    s.offset = not_negative(r, file, "offset");
-    s.evidence_kept = share(r, file, "evidence_kept");
+    s.log_energy_scale = not_negative(r, "log_energy_scale");
+    s.offset = not_negative(r, "offset");
+    s.evidence_kept = share(r, "evidence_kept");
     r.finish();
     return s;
 }
 
 template <std::size_t Count>
-std::array<double, Count> numbers_of(const Json& list, const std::string& file, const std::string& key) {
+std::array<double, Count> numbers_of(const Reader& r, const char* key, const Json& list) {
     std::array<double, Count> out{};
-    if (!list.is_array() || list.size() != Count) throw Error(file, 0, key, fmt::format("must be an array of {} numbers", Count));
+    if (!list.is_array() || list.size() != Count) r.fail(key, fmt::format("must be an array of {} numbers", Count));
     for (std::size_t i = 0; i < Count; ++i) {
-        if (!list[i].is_number()) throw Error(file, 0, key, "must be numbers");
+        if (!list[i].is_number()) r.fail(key, "must be numbers");
         out.at(i) = list[i].get<double>();
     }
     return out;
 }
 
-LiningWear lining_of(Reader r, const std::string& file) {
+LiningWear lining_of(Reader r) {
     LiningWear l;
     l.lives = r.count("lives", 1);
     l.slope = r.positive("slope");
     l.by_life = r.number("by_life");
-    l.with_curve = numbers_of<kCurve>(r.get("with_curve"), file, "life_curves.lining.with_curve");
+    l.with_curve = numbers_of<kCurve>(r, "with_curve", r.get("with_curve"));
     l.variance = r.positive("variance");
     l.error = r.positive("error");
-    l.evidence = share(r, file, "evidence");
+    l.evidence = share(r, "evidence");
     r.finish();
     return l;
 }
@@ -76,26 +74,26 @@ Json json_of(const LiningWear& l) {
             {"variance", l.variance}, {"error", l.error}, {"evidence", l.evidence}};
 }
 
-LifeCurves curves_of(Reader r, const std::string& file) {
+LifeCurves curves_of(Reader r) {
     LifeCurves c;
     c.lives = r.count("lives", 3);
-    c.limit = not_negative(r, file, "limit");
+    c.limit = not_negative(r, "limit");
     c.landing_J = r.positive("landing_J");
     c.log_life = r.number("log_life");
     c.log_life_deviation = r.positive("log_life_deviation");
-    c.mean = numbers_of<kCurve>(r.get("mean"), file, "life_curves.mean");
-    c.by_life = numbers_of<kCurve>(r.get("by_life"), file, "life_curves.by_life");
+    c.mean = numbers_of<kCurve>(r, "mean", r.get("mean"));
+    c.by_life = numbers_of<kCurve>(r, "by_life", r.get("by_life"));
     const Json& covariance = r.get("covariance");
-    if (!covariance.is_array() || covariance.size() != kCurve) throw Error(file, 0, "life_curves.covariance", fmt::format("must be {} rows", kCurve));
-    for (std::size_t i = 0; i < kCurve; ++i) c.covariance.at(i) = numbers_of<kCurve>(covariance[i], file, "life_curves.covariance");
-    c.energy = numbers_of<kEnergiesBefore>(r.get("energy"), file, "life_curves.energy");
-    c.memory = share(r, file, "memory");
-    c.remembered = not_negative(r, file, "remembered");
+    if (!covariance.is_array() || covariance.size() != kCurve) r.fail("covariance", fmt::format("must be {} rows", kCurve));
+    for (std::size_t i = 0; i < kCurve; ++i) c.covariance.at(i) = numbers_of<kCurve>(r, "covariance", covariance[i]);
+    c.energy = numbers_of<kEnergiesBefore>(r, "energy", r.get("energy"));
+    c.memory = share(r, "memory");
+    c.remembered = not_negative(r, "remembered");
     c.fresh = r.positive("fresh");
-    c.evidence = share(r, file, "evidence");
-    c.walk = not_negative(r, file, "walk");
+    c.evidence = share(r, "evidence");
+    c.walk = not_negative(r, "walk");
     c.noise = r.positive("noise");
-    if (r.has("lining")) c.lining = lining_of(r.object("lining"), file);
+    if (r.has("lining")) c.lining = lining_of(r.object("lining"));
     r.finish();
     return c;
 }
@@ -145,28 +143,28 @@ std::string to_json(const Population& p) {
 }
 
 Population population_from_json(const std::string& name, std::string_view text) {
-    const Json json = parsed_json(name, text);
+    const Json json = settings::parsed_json(name, text);
     if (json.is_object() && json.contains("format") && json["format"] == kModelFormat) return population_of(from_json(name, text));
     Reader root(name, "", json);
     root.check_format(kPopulationFormat, kPopulationFormatVersion);
     Population out;
     out.source = root.text("source");
     Reader learnt = root.object("learnt_from");
-    out.provenance = {learnt.origin(), learnt.count("lives", 1)};
+    out.provenance = {origin_in(learnt), learnt.count("lives", 1)};
     learnt.finish();
-    out.scatter = scatter_of(root.object("scatter"), name);
-    out.spread = spread_of(root.object("spread"), name);
+    out.scatter = scatter_of(root.object("scatter"));
+    out.spread = spread_of(root.object("spread"));
     Reader steady = root.object("steady_stage");
-    out.steady.from_J = not_negative(steady, name, "from_J");
-    out.steady.to_J = not_negative(steady, name, "to_J");
+    out.steady.from_J = not_negative(steady, "from_J");
+    out.steady.to_J = not_negative(steady, "to_J");
     steady.finish();
     Reader limits = root.object("health_limits");
     for (std::size_t i = 0; i < kHealthTests.size(); ++i) out.limits.*kHealthTests.at(i) = limits.positive(kHealthTestNames.at(i));
     limits.finish();
-    if (root.has("life_curves")) out.curves = curves_of(root.object("life_curves"), name);
+    if (root.has("life_curves")) out.curves = curves_of(root.object("life_curves"));
     const Json& models = root.get("models");
     root.finish();
-    if (!models.is_array() || models.empty()) throw Error(name, 0, "models", "must be an array of models, not empty");
+    if (!models.is_array() || models.empty()) root.fail("models", "must be an array of models, not empty");
     out.models.reserve(models.size());
     out.members.reserve(models.size());
     for (std::size_t i = 0; i < models.size(); ++i) {
