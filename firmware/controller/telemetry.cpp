@@ -7,16 +7,15 @@
 #include <utility>
 
 #include "firmware/can/names.hpp"
+#include "firmware/host/seconds.hpp"
 
 namespace antiskid::controller {
 
 namespace {
 
-constexpr std::uint64_t kMaxLogged = 3;
+using host::seconds;
 
-double seconds(const control::Time time) {
-    return std::chrono::duration<double>(time).count();
-}
+constexpr std::uint64_t kMaxLogged = 3;
 
 control::FaultSet without(const control::FaultSet set, const control::FaultSet taken_out) {
     return control::FaultSet::from_bits(set.bits() & ~taken_out.bits());

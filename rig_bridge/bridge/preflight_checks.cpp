@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/seconds.hpp"
 #include "rig_bridge/bridge/preflight.hpp"
 
 namespace rig::bridge {
@@ -16,10 +17,7 @@ using antiskid::can::Role;
 using antiskid::control::State;
 using antiskid::controller::judged;
 using antiskid::controller::skipped;
-
-double seconds(antiskid::can::Time time) {
-    return std::chrono::duration<double>(time).count();
-}
+using antiskid::host::seconds;
 
 Check link_check(const modbus::Snapshot& plc, const BridgeSetup& setup) {
     // A map that is refused was read over a link that works.

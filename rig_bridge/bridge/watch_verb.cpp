@@ -13,6 +13,7 @@
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/layout_files.hpp"
+#include "firmware/host/seconds.hpp"
 #include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
@@ -34,11 +35,8 @@ namespace {
 using antiskid::can::Role;
 using antiskid::control::kNever;
 using antiskid::control::Time;
+using antiskid::host::seconds;
 using rig::Phase;
-
-double seconds(Time t) {
-    return std::chrono::duration<double>(t).count();
-}
 
 /// The campaign that was last started or resumed.
 record::Campaign newest_campaign(const std::filesystem::path& file) {
