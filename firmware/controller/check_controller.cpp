@@ -1,13 +1,14 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <future>
 
 #include "firmware/can/socket_can.hpp"
 #include "firmware/controller/controller_check.hpp"
 #include "firmware/host/realtime.hpp"
+#include "firmware/host/seconds.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 
 namespace antiskid::controller {
@@ -18,11 +19,9 @@ using namespace std::chrono_literals;
 
 /// A line on standard error, redrawn in place on a terminal.
 void show_progress(control::Time passed, control::Time expected) {
-    constexpr int kWidth = 30;
-    const double share = std::min(1.0, std::chrono::duration<double>(passed) / expected);
-    const int full = static_cast<int>(share * kWidth);
-    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:.0f} of {:.0f} s", "", full, "", kWidth - full, std::chrono::duration<double>(passed).count(),
-               std::chrono::duration<double>(expected).count());
+    constexpr std::size_t kWidth = 30;
+    fmt::print(stderr, "\r[{}] {:.0f} of {:.0f} s", settings::bar(host::seconds(passed) / host::seconds(expected), kWidth), host::seconds(passed),
+               host::seconds(expected));
 }
 
 void on_loop_thread(const host::RealtimeRequest& request, control::Time expected, const std::function<void()>& work) {

@@ -1,7 +1,6 @@
 /// virtual-rig: the simulated rig on CAN; runs one maneuver, or with `serve` as many as a rig bridge requests. See --help.
 
 #include <fmt/core.h>
-#include <algorithm>
 
 #include <unistd.h>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/rig_session.hpp"
@@ -28,13 +28,6 @@
 namespace {
 
 using antiskid::control::Time;
-
-/// Speed lost so far, as a bar.
-std::string bar(double share) {
-    constexpr int kWidth = 24;
-    const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kWidth);
-    return std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.');
-}
 
 /// Shows a maneuver in one live line on standard error; without a terminal as plain lines, one per simulated second.
 class Progress {
@@ -48,10 +41,11 @@ class Progress {
         if (rig.time_s() < next_s_ && phase == phase_) return;
         phase_ = phase;
         next_s_ = rig.time_s() + (terminal_ ? kLive_s : kPlain_s);
+        constexpr std::size_t kBar = 24;
         const double share = 1.0 - rig.wheel().v_mps / rig.parameters().brake_on_mps;
-        fmt::print(stderr, "{}[{}] {:6.2f} s {:<10} {:5.1f} m/s  slip {:5.2f}  {:5.1f} MPa  {:7.1f} m  {}{}", terminal_ ? "\r" : "", bar(share),
-                   rig.time_s(), study::name(phase), rig.wheel().v_mps, rig.forces().slip, rig.pressure_Pa() * 1e-6, session.distance_m(),
-                   antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)], terminal_ ? "\x1b[K" : "\n");
+        fmt::print(stderr, "{}[{}] {:6.2f} s {:<10} {:5.1f} m/s  slip {:5.2f}  {:5.1f} MPa  {:7.1f} m  {}{}", terminal_ ? "\r" : "",
+                   settings::bar(share, kBar), rig.time_s(), study::name(phase), rig.wheel().v_mps, rig.forces().slip, rig.pressure_Pa() * 1e-6,
+                   session.distance_m(), antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)], terminal_ ? "\x1b[K" : "\n");
         std::fflush(stderr);
         shown_ = true;
     }

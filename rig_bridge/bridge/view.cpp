@@ -1,10 +1,10 @@
 #include "rig_bridge/bridge/view.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "firmware/host/settings/progress.hpp"
 #include "rig_bridge/record/summary.hpp"
 
 namespace rig::bridge {
@@ -14,12 +14,7 @@ using rig::Phase;
 
 namespace {
 
-constexpr int kBar = 24;
-
-std::string bar(double share) {
-    const int full = share > 0.0 ? static_cast<int>(std::min(share, 1.0) * kBar) : 0;
-    return std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kBar - full), '.');
-}
+constexpr std::size_t kBar = 24;
 
 /// How much of the phase's speed change is done; phases without one show nothing.
 double share(const ViewModel& v) {
@@ -27,16 +22,6 @@ double share(const ViewModel& v) {
     if (v.phase == Phase::spin_up) return v.rim_mps / v.prescribed_mps;
     if (v.phase == Phase::braking) return 1.0 - v.rim_mps / v.prescribed_mps;
     return v.phase > Phase::braking && v.phase <= Phase::finished ? 1.0 : 0.0;
-}
-
-std::string fault_text(const ViewModel& v) {
-    if (v.faults.empty()) return "none";
-    std::string text;
-    for (const std::string_view fault : v.faults) {
-        if (!text.empty()) text += ' ';
-        text += fault;
-    }
-    return text;
 }
 
 std::string abort_text(const ViewModel& v) {
@@ -47,10 +32,14 @@ std::string abort_text(const ViewModel& v) {
 std::string campaign_text(const CampaignView& c) {
     const double done = c.planned > 0 ? static_cast<double>(c.finished) / static_cast<double>(c.planned) : 0.0;
     const std::string left = c.left_s ? duration_text(*c.left_s) + " left" : std::string("time left unknown");
-    return fmt::format("maneuver {}  [{}] {} of {} finished, {}", c.number, bar(done), c.finished, c.planned, left);
+    return fmt::format("maneuver {}  [{}] {} of {} finished, {}", c.number, settings::bar(done, kBar), c.finished, c.planned, left);
 }
 
 }  // namespace
+
+std::string fault_text(const std::vector<std::string>& faults) {
+    return faults.empty() ? "none" : fmt::format("{}", fmt::join(faults, " "));
+}
 
 std::string duration_text(double seconds) {
     constexpr double kMax = 3.6e8;  // what nobody waits for
@@ -81,13 +70,13 @@ std::vector<std::string> screen(const ViewModel& v, std::size_t columns) {
     std::vector<std::string> lines;
     lines.push_back(v.campaign ? fmt::format("{}  {}", v.scenario, campaign_text(*v.campaign)) : v.scenario);
     if (v.campaign && !v.campaign->regulation.empty()) lines.push_back(v.campaign->regulation);
-    lines.push_back(
-        fmt::format("{:<10} {:7.2f} s  [{}]  {:.1f} s in this phase{}", name(v.phase), v.time_s, bar(share(v)), v.phase_s, abort_text(v)));
+    lines.push_back(fmt::format("{:<10} {:7.2f} s  [{}]  {:.1f} s in this phase{}", name(v.phase), v.time_s, settings::bar(share(v), kBar), v.phase_s,
+                                abort_text(v)));
     lines.push_back(fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}", v.rim_mps, v.wheel_mps, v.slip));
     lines.push_back(fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   torque {:6.2f} kN m   brake {:5.1f} °C", v.pressure_Pa * 1e-6,
                                 v.load_N * 1e-3, v.torque_Nm * 1e-3, v.temperature_C));
     lines.push_back(fmt::format("controller {:<20}  PLC {:<10}  bus {:<4}  {} frames, {} dropped", v.controller, v.plc, v.bus, v.frames, v.dropped));
-    lines.push_back(fmt::format("faults: {}{}{}", fault_text(v), v.note.empty() ? "" : "   ", v.note));
+    lines.push_back(fmt::format("faults: {}{}{}", fault_text(v.faults), v.note.empty() ? "" : "   ", v.note));
     if (v.campaign && !v.campaign->health.empty()) lines.push_back("brake " + v.campaign->health);
     for (std::string& line : lines) line = fit(line, columns);
     return lines;
@@ -98,7 +87,7 @@ std::string plain_line(const ViewModel& v) {
         fmt::format("{:8.2f} s {:<10} {:6.2f} m/s  slip {:6.3f}  {:5.2f} MPa  {:6.2f} kN  {:5.1f} degC  controller {}, PLC {}, bus {}", v.time_s,
                     name(v.phase), v.rim_mps, v.slip, v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.temperature_C, v.controller, v.plc, v.bus);
     line += abort_text(v);
-    if (!v.faults.empty()) line += "  faults: " + fault_text(v);
+    if (!v.faults.empty()) line += "  faults: " + fault_text(v.faults);
     if (!v.note.empty()) line += "  " + v.note;
     if (v.campaign)
         line += "  " + fmt::format("[{} of {}, {}]", v.campaign->number, v.campaign->planned,

@@ -54,6 +54,8 @@ struct ViewModel {
 
 /// "3 h 12 min", "4 min 05 s", "12 s".
 [[nodiscard]] std::string duration_text(double seconds);
+/// Their names with blanks between; "none".
+[[nodiscard]] std::string fault_text(const std::vector<std::string>& faults);
 /// "suspect (0.81 of its limit): friction has dropped".
 [[nodiscard]] std::string health_text(const record::Health& health);
 /// At most `columns` characters of UTF-8.

@@ -83,10 +83,6 @@ std::string road_text(const WatchedCampaign& w) {
                        static_cast<double>(w.road->peak_slip), static_cast<double>(w.road->confidence));
 }
 
-std::string fault_text(const WatchedCampaign& w) {
-    return w.faults.empty() ? "none" : fmt::format("{}", fmt::join(w.faults, " "));
-}
-
 }  // namespace
 
 std::string to_text(const BridgeActivity& s) {
@@ -107,7 +103,7 @@ std::vector<std::string> watch_screen(const WatchedCampaign& w, const StripChart
     lines.push_back(
         fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}   reference {:5.3f}", w.rim_mps, w.wheel_mps, w.slip, w.slip_reference));
     lines.push_back(fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   current {:6.2f} mA", w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA));
-    lines.push_back(fmt::format("controller {}   faults: {}", w.controller, fault_text(w)));
+    lines.push_back(fmt::format("controller {}   faults: {}", w.controller, fault_text(w.faults)));
     if (w.tells_road) lines.push_back("road: " + road_text(w));
     if (!w.outcomes.empty()) lines.push_back(fmt::format("last: {}", fmt::join(w.outcomes, ", ")));
     if (!w.senders.empty()) lines.push_back(w.senders);
@@ -121,7 +117,7 @@ std::vector<std::string> watch_screen(const WatchedCampaign& w, const StripChart
 std::string watch_line(const WatchedCampaign& w) {
     return fmt::format("{}; bridge {}{}; {} {:.1f} s; {:.2f} m/s, slip {:.3f}, {:.2f} MPa, {:.2f} kN, {:.2f} mA; controller {}; faults: {}{}{}{}",
                        progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s, w.rim_mps, w.slip,
-                       w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w),
+                       w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w.faults),
                        w.tells_road ? "; road: " + road_text(w) : "", w.senders.empty() ? "" : "; " + w.senders,
                        w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
 }

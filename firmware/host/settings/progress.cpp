@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <string>
 
 namespace settings {
 
@@ -15,7 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 constexpr milliseconds kEvery{100};
 constexpr milliseconds kEveryLine{2000};
-constexpr std::int64_t kWidth = 40;
+constexpr std::size_t kWidth = 40;
 
 std::string clock_text(double seconds) {
     const std::int64_t s = std::llround(seconds);
@@ -41,9 +41,7 @@ void Progress::show(std::int64_t done, std::string_view note) {
     const double left_s = run > 0.0 ? passed_s / run * static_cast<double>(planned_ - done) : 0.0;
     const std::string text = fmt::format("{} of {} {}, {} left{}", done, planned_, unit_, clock_text(left_s), note);
     if (terminal_) {
-        const auto filled = static_cast<std::size_t>(planned_ > 0 ? kWidth * done / planned_ : kWidth);
-        const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-        fmt::print(stderr, "\r[{}] {}\033[K", bar, text);
+        fmt::print(stderr, "\r[{}] {}\033[K", bar(static_cast<double>(done) / static_cast<double>(planned_), kWidth), text);
         (void)std::fflush(stderr);
         shown_ = true;
     } else {
@@ -54,6 +52,11 @@ void Progress::show(std::int64_t done, std::string_view note) {
 void Progress::finish() {
     if (shown_) fmt::print(stderr, "\n");
     shown_ = false;
+}
+
+std::string bar(double share, std::size_t width) {
+    const auto filled = share > 0.0 ? static_cast<std::size_t>(std::min(share, 1.0) * static_cast<double>(width)) : 0;
+    return std::string(filled, '#').append(width - filled, '.');
 }
 
 std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit) {

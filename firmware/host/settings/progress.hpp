@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
 
 namespace settings {
@@ -31,6 +32,9 @@ class Progress {
     Clock::time_point next_;
     bool shown_ = false;
 };
+
+/// A bar of `width` characters: `share`, 0 to 1, of them filled.
+[[nodiscard]] std::string bar(double share, std::size_t width);
 
 /// The same as a callback for a computation that reports `done` of `all` steps; `unit` must outlive it.
 [[nodiscard]] std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit);
