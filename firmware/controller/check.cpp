@@ -6,7 +6,7 @@
 #include <array>
 #include <iterator>
 
-#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 
@@ -98,11 +98,8 @@ std::string json(const Report& report) {
 }
 
 int deliver(const Report& report, const std::string& json_place) {
-    if (json_place == "-")
-        fmt::print("{}", json(report));
-    else
-        fmt::print("{}", table(report));
-    if (!json_place.empty() && json_place != "-") settings::write_file(json_place, json(report));
+    if (json_place != "-") fmt::print("{}", table(report));
+    settings::deliver(json_place, json(report));
     return passed(report) ? 0 : 1;
 }
 
