@@ -1,5 +1,7 @@
 #include "rig_bridge/rig/load_rig.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -18,12 +20,6 @@ using settings::Document;
 using settings::Table;
 
 constexpr std::array<std::string_view, 3> kFrictionClasses{"light", "medium", "heavy"};
-
-std::string listed(const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
 
 Surface surface(const Table& t) {
     return {.name = t.name(),
@@ -68,7 +64,7 @@ std::vector<std::string> names(const std::vector<Named>& all) {
 void check_name(const Table& t, std::string_view key, const std::vector<std::string>& known) {
     const std::string word = t.text(key);
     if (std::find(known.begin(), known.end(), word) == known.end())
-        t.fail(key, "unknown " + std::string(key) + " '" + word + "'; there are " + listed(known));
+        t.fail(key, fmt::format("unknown {} '{}'; there are {}", key, word, fmt::join(known, ", ")));
 }
 
 std::vector<Maneuver> maneuvers(const std::filesystem::path& path, const std::vector<Surface>& runways) {
@@ -289,7 +285,7 @@ const Named& find(const std::vector<Named>& all, const std::string& name, const 
     for (const Named& one : all) {
         if (one.name == name) return one;
     }
-    throw settings::Error(file.string(), 0, what, "unknown " + std::string(what) + " '" + name + "'; there are " + listed(names(all)) + more);
+    throw settings::Error(file.string(), 0, what, fmt::format("unknown {} '{}'; there are {}{}", what, name, fmt::join(names(all), ", "), more));
 }
 
 void override_with(const std::optional<double>& value, const settings::Range& range, const char* what, double& target) {
