@@ -70,12 +70,7 @@ WatchScore judge_watch(Law law, const Settings& settings, const Population& popu
     const double limit = differences[differences.size() - static_cast<std::size_t>(kFalseAlarms * kLimitLives)];
     std::vector<Campaign> judged;
     for (std::uint64_t k = 0; k < lives; ++k) judged.push_back(live(law, settings, first + k).campaign);
-    const Alarm watch = [&](const Campaign& life) {
-        HealthMonitor monitor(known);
-        std::size_t i = 0;
-        while (i < life.points.size() && monitor.after(life.points[i]).condition != Condition::abnormal) ++i;
-        return i;
-    };
+    const Alarm watch = [&](const Campaign& life) { return flagged_at(known, life); };
     const Alarm by_difference = [&](const Campaign& life) {
         std::size_t i = 0;
         while (i < life.points.size() && difference(life, i) < limit) ++i;

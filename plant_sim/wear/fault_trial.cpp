@@ -7,17 +7,12 @@
 
 namespace wear {
 
-namespace {
-
-/// Index of the maneuver after which the brake is abnormal; its size when it never is.
 std::size_t flagged_at(const Population& population, const Campaign& campaign) {
     HealthMonitor monitor(population);
     for (std::size_t i = 0; i < campaign.points.size(); ++i)
         if (monitor.after(campaign.points[i]).condition == Condition::abnormal) return i;
     return campaign.points.size();
 }
-
-}  // namespace
 
 const char* name(Fault fault) {
     constexpr std::array kNames{"glazing", "sudden drop", "piston drag"};

@@ -19,6 +19,9 @@ constexpr std::size_t kGlazingManeuvers = 40;
 /// Returns the campaign with a fault from maneuver `begin` on, counted from 0.
 [[nodiscard]] Campaign with_fault(const Campaign& healthy, Fault fault, double size, std::size_t begin);
 
+/// Number of the maneuver, from 0, after which the brake is abnormal; that of its maneuvers where it never is.
+[[nodiscard]] std::size_t flagged_at(const Population& population, const Campaign& campaign);
+
 struct HealthyTrial {
     std::size_t campaigns = 0;
     std::size_t maneuvers = 0;
