@@ -118,20 +118,5 @@ int run(const fs::path& folder) {
 }  // namespace
 
 int main() {
-    try {
-        std::string name = (fs::temp_directory_path() / "bench_log_XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
-        int status = 1;
-        try {
-            status = run(name);
-        } catch (const std::exception& e) {
-            std::fprintf(stderr, "bench_log: %s\n", e.what());
-        }
-        std::error_code ignored;
-        fs::remove_all(name, ignored);
-        return status;
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "bench_log: %s\n", e.what());
-        return 1;
-    }
+    return bench::status_in_folder("bench_log", run);
 }

@@ -165,10 +165,6 @@ struct Results {
 
 using settings::Json;
 
-Json as_json(const Percentiles& p) {
-    return {{"count", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
-}
-
 Json ratio(const Percentiles& ours, const Percentiles& theirs) {
     return {{"p50", ours.p50_us / theirs.p50_us}, {"p99", ours.p99_us / theirs.p99_us}, {"p99_9", ours.p99_9_us / theirs.p99_9_us}};
 }

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <chrono>
-#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
@@ -17,6 +16,7 @@
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/child.hpp"
+#include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/percentiles.hpp"
 #include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
@@ -97,11 +97,7 @@ std::vector<std::int64_t> lateness(const std::vector<Frame>& log, const std::vec
     return late;
 }
 
-settings::Json as_json(const Percentiles& p) {
-    return {{"count", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
-}
-
-void run(const fs::path& folder) {
+int run(const fs::path& folder) {
     const std::vector<Frame> frames = recorded_stop();
     const fs::path log = folder / "stop.log";
     settings::write_file(log, as_log(frames));
@@ -128,26 +124,11 @@ void run(const fs::path& folder) {
     }
     fmt::print("{}", table.text());
     settings::write_file("out/bench/replay.json", json.dump(2) + "\n");
+    return 0;
 }
 
 }  // namespace
 
 int main() {
-    try {
-        std::string name = (fs::temp_directory_path() / "bench_replay_XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
-        int status = 0;
-        try {
-            run(name);
-        } catch (const std::exception& e) {
-            std::fprintf(stderr, "bench_vcan_replay: %s\n", e.what());
-            status = 1;
-        }
-        std::error_code ignored;
-        fs::remove_all(name, ignored);
-        return status;
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "bench_vcan_replay: %s\n", e.what());
-        return 1;
-    }
+    return bench::status_in_folder("bench_vcan_replay", run);
 }

@@ -5,8 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <exception>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <system_error>
 #include <vector>
 
 namespace bench {
@@ -44,6 +49,24 @@ int status_of(const char* name, const Run& run) {
         std::fprintf(stderr, "%s: %s\n", name, error.what());
         return 1;
     }
+}
+
+/// The same for a benchmark that needs a folder, which is empty and removed afterwards.
+template <typename Run>
+int status_in_folder(const char* name, const Run& run) {
+    struct Folder {
+        std::string path;
+        ~Folder() {
+            std::error_code ignored;
+            std::filesystem::remove_all(path, ignored);
+        }
+    };
+    return status_of(name, [&] {
+        std::string path = std::filesystem::temp_directory_path() / (std::string(name) + "_XXXXXX");
+        if (mkdtemp(path.data()) == nullptr) throw std::runtime_error("no temporary directory");
+        const Folder folder{path};
+        return run(folder.path);
+    });
 }
 
 }  // namespace bench

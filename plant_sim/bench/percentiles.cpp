@@ -57,6 +57,10 @@ Percentiles from_cyclictest(const settings::Json& result) {
     return {.count = count, .p50_us = at(0.5), .p99_us = at(0.99), .p99_9_us = at(0.999), .max_us = max};
 }
 
+settings::Json as_json(const Percentiles& p) {
+    return {{"count", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
+}
+
 Percentiles median(const std::vector<Percentiles>& rounds) {
     const auto of = [&](double Percentiles::*figure) {
         std::vector<double> values;

@@ -28,6 +28,8 @@ struct Percentiles {
 /// beyond its histogram (its option -h) count as the maximum.
 [[nodiscard]] Percentiles from_cyclictest(const settings::Json& result);
 
+[[nodiscard]] settings::Json as_json(const Percentiles& p);
+
 /// Median of each figure over the rounds, of which there must be one; counts are added.
 [[nodiscard]] Percentiles median(const std::vector<Percentiles>& rounds);
 
