@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rig_bridge/record/bus_meter.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
 #include "tests/catch.hpp"
 #include "tests/study/scenarios.hpp"
 
@@ -49,19 +50,8 @@ struct Hole {
 
 Both run(const plant_sim::StopOptions& options, const Hole& hole = {}) {
     const plant_sim::StopInputs s = plant_sim::load_scenario(options);
-    const rig::RigParameters& r = s.plant.rig;
-    const rig::record::MeterParameters parameters{.wheel_teeth = r.wheel_encoder.teeth,
-                                                  .flywheel_teeth = r.flywheel_encoder.teeth,
-                                                  .flywheel_radius_m = r.flywheel_radius_m,
-                                                  .wheel_radius_m = r.wheel.free_radius_m,
-                                                  .wheel_stiffness_Npm = r.wheel.stiffness_Npm,
-                                                  .brake_gain_m3 = r.brake.gain_m3(),
-                                                  .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
-                                                  .flywheel_mass_kg = r.wheel.mass_kg,
-                                                  .peak_friction = rig::peak(r.surface).mu,
-                                                  .drop_out_mps = s.session.drop_out_mps,
-                                                  .period_s = 1e-3,
-                                                  .sensor_late_s = 0.02};
+    rig::record::MeterParameters parameters = rig::meter_parameters(s.plant, 1e-3);
+    parameters.sensor_late_s = 0.02;
     rig::record::BusMeter meter(s.layout, parameters);
     constexpr std::array kState{antiskid::can::Role::maneuver_state};
     RigPort bridge(s.layout, antiskid::control::Time{1'000'000}, kState);
@@ -89,7 +79,7 @@ Both run(const plant_sim::StopOptions& options, const Hole& hole = {}) {
         std::array<Frame, RigPort::kMaxFrames> due;
         for (std::size_t i = 0, count = bridge.due_frames(sample, due); i < count; ++i) hear(due[i]);
     };
-    both.truth = run_in_process(s.controller, s.layout, r, s.session, study::Link::frames, on_step, hear).figures;
+    both.truth = run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, on_step, hear).figures;
     both.measured = meter.figures();
     both.faults = meter.faults();
     both.warnings = meter.warnings();
