@@ -9,7 +9,7 @@
 #include "firmware/can/wall_clock_offset.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
-#include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/bridge/plc_and_bus.hpp"
 #include "rig_bridge/bridge/recording.hpp"
 #include "rig_bridge/bridge/rejected_frames.hpp"
 #include "rig_bridge/bridge/senders.hpp"

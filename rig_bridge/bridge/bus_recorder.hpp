@@ -14,7 +14,7 @@
 #include "firmware/can/wall_minus_monotonic.hpp"
 #include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
-#include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/bridge/plc_and_bus.hpp"
 #include "rig_bridge/bridge/recording.hpp"
 #include "rig_bridge/record/capture.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "firmware/can/bus.hpp"
 #include "firmware/can/rig_port.hpp"
-#include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/bridge/plc_and_bus.hpp"
 #include "rig_bridge/bridge/reset_request.hpp"
 #include "rig_bridge/bridge/rig_time.hpp"
 #include "rig_bridge/bridge/translate.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "firmware/can/rig_sample.hpp"
-#include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/bridge/plc_and_bus.hpp"
 #include "rig_bridge/record/work_balance.hpp"
 #include "rig_bridge/rig/sequencer.hpp"
 
