@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "firmware/can/load_layout.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/error.hpp"
@@ -34,12 +33,12 @@ void check_layout(const can::Layout& layout, const ClockSource clock, const cont
 ControllerSetup load_setup(const Options& options) {
     const control::Config control = antiskid::load_controller_config(options.controller);
     ControllerSetup setup{.control = control,
-                          .layout = can::load_layout(options.dbc, options.binding, required_range(control)),
-                          .config_hash = settings::hash(std::array{options.controller, options.dbc, options.binding}),
+                          .layout = options.layout.load(required_range(control)),
+                          .config_hash = settings::hash(std::array{options.controller, options.layout.dbc, options.layout.binding}),
                           .period = {}};
     // A float second is not exact: 0.001F is 1000000.05 ns.
     setup.period = std::chrono::microseconds{std::lround(setup.control.period_s * 1e6F)};
-    check_layout(setup.layout, options.clock, setup.period, options.binding.string());
+    check_layout(setup.layout, options.clock, setup.period, options.layout.binding.string());
     return setup;
 }
 

@@ -87,8 +87,7 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
         return 2;
     }
     options.controller = controller.empty() ? config / "controller.toml" : controller;
-    options.dbc = dbc.empty() ? config / "antiskid.dbc" : dbc;
-    options.binding = binding.empty() ? config / "antiskid_binding.toml" : binding;
+    options.layout = LayoutFiles(config, dbc, binding);
     if (check) options.check = request;
     return options;
 }

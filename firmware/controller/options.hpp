@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "firmware/host/layout_files.hpp"
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 
@@ -31,8 +32,7 @@ struct Options {
     std::string interface;
     ClockSource clock = ClockSource::sensors;
     std::filesystem::path controller = settings::config_directory() / "controller.toml";
-    std::filesystem::path dbc = settings::config_directory() / "antiskid.dbc";
-    std::filesystem::path binding = settings::config_directory() / "antiskid_binding.toml";
+    LayoutFiles layout{settings::config_directory()};
     std::string json;  ///< destination of the statistics or of --check's results: file, "-" for standard output, or empty
     host::RealtimeRequest realtime;
     int sync_timeout_ms = 1000;

@@ -19,10 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path or_default(const fs::path& given, const fs::path& otherwise) {
-    return given.empty() ? otherwise : given;
-}
-
 struct PlantCommand {
     std::string log;
     std::string interface;
@@ -60,9 +56,8 @@ struct PlantCommand {
 
     [[nodiscard]] antiskid::controller::ControllerSetup setup(const Known& k) const {
         antiskid::controller::Options o;
-        o.controller = or_default(controller, k.controller);
-        o.dbc = or_default(dbc, config / "antiskid.dbc");
-        o.binding = or_default(binding, config / "antiskid_binding.toml");
+        o.controller = controller.empty() ? k.controller : controller;
+        o.layout = antiskid::LayoutFiles(config, dbc, binding);
         return antiskid::controller::load_setup(o);
     }
 

@@ -20,8 +20,7 @@ struct ControllerCommand {
     int run() const {
         antiskid::controller::Options setup;
         setup.controller = controller.empty() ? config / "controller.toml" : controller;
-        setup.dbc = dbc.empty() ? config / "antiskid.dbc" : dbc;
-        setup.binding = binding.empty() ? config / "antiskid_binding.toml" : binding;
+        setup.layout = antiskid::LayoutFiles(config, dbc, binding);
         const antiskid::controller::ControllerSetup loaded = configured([&] { return antiskid::controller::load_setup(setup); });
         LogWarnings warnings = warnings_of(log);
         LogOptions options;

@@ -44,8 +44,8 @@ TEST_CASE("options are what was typed, or their defaults", "[RT-080]") {
     CHECK(std::get<Options>(parse("--can", "can0", "--clock", "timer")).clock == controller::ClockSource::timer);
     CHECK(full.sync_timeout_ms == 250);
     CHECK(full.controller == "tests/controller.toml");
-    CHECK(full.dbc == "config/antiskid.dbc");
-    CHECK(full.binding == "config/foreign_binding.toml");
+    CHECK(full.layout.dbc == "config/antiskid.dbc");
+    CHECK(full.layout.binding == "config/foreign_binding.toml");
     CHECK(full.json == "d");
     CHECK(full.realtime.cpu == 1);
     CHECK(full.realtime.priority == 0);
@@ -108,10 +108,10 @@ TEST_CASE("configuration files that are not there are named", "[RT-080]") {
     options.controller = "config/no_such.toml";
     CHECK_THROWS_WITH(controller::load_setup(options), ContainsSubstring("config/no_such.toml"));
     options = {};
-    options.dbc = "config/no_such.dbc";
+    options.layout.dbc = "config/no_such.dbc";
     CHECK_THROWS_WITH(controller::load_setup(options), ContainsSubstring("config/no_such.dbc"));
     options = {};
-    options.binding = "config/no_such_binding.toml";
+    options.layout.binding = "config/no_such_binding.toml";
     CHECK_THROWS_WITH(controller::load_setup(options), ContainsSubstring("config/no_such_binding.toml"));
 }
 

@@ -75,8 +75,8 @@ TEST_CASE("the message to go by is the last of the sensors' that comes once a pe
     CHECK(host::SensorPacer::message(ours.layout, 1ms) == can::Role::pressure);
     CHECK_FALSE(host::SensorPacer::message(ours.layout, 2ms));
     controller::Options options;
-    options.dbc = "config/foreign.dbc";
-    options.binding = "config/foreign_binding.toml";
+    options.layout.dbc = "config/foreign.dbc";
+    options.layout.binding = "config/foreign_binding.toml";
     CHECK(host::SensorPacer::message(controller::load_setup(options).layout, 1ms) == can::Role::wheel);
 }
 

@@ -15,8 +15,7 @@ namespace {
 antiskid::controller::ControllerSetup setup_of(const plant_sim::StopOptions& o) {
     antiskid::controller::Options options;
     if (o.choice.maneuver == rig::kEndurance) options.controller = "config/controller_endurance.toml";
-    if (!o.dbc.empty()) options.dbc = o.dbc;
-    if (!o.binding.empty()) options.binding = o.binding;
+    options.layout = antiskid::LayoutFiles("config", o.dbc, o.binding);
     return antiskid::controller::load_setup(options);
 }
 
