@@ -78,6 +78,11 @@ TEST_CASE("a wheel that locks while its road is identified shows no slip between
     CHECK(std::abs(f.c3.value - 0.6) < 4.0 * f.c3.deviation);
 }
 
+TEST_CASE("landings below the peak alone are refused with numbers", "[STUDY-100]") {
+    const std::vector<Run> runs{run(identification_test::setup("slow_braking"), 11)};
+    CHECK_THROWS_WITH(identification::fit_friction(runs, runs.front().surface), ContainsSubstring("slip is held up to") && !ContainsSubstring("nan"));
+}
+
 TEST_CASE("the free radius is as certain as it says", "[STUDY-100]") {
     const endurance::EnduranceSetup setup = identification_test::setup("heavy");
     constexpr int kSeeds = 30;
