@@ -30,19 +30,22 @@ Series dots(const char* name, pictures::Colour colour) {
     return {.name = name, .style = pictures::Style::points, .colour = colour};
 }
 
-constexpr std::size_t kSettled = 300;  // samples of a slow ramp after which the pressure is that of the map
+/// Number of periods in a time, at least one.
+std::size_t periods(const identification::ValveResiduals& r, double time_s) {
+    return r.time_s.size() < 2 ? 1 : static_cast<std::size_t>(std::max(std::llround(time_s / (r.time_s[1] - r.time_s[0])), 1LL));
+}
 
-/// Whether the current has moved slowly and evenly up to sample `k`. A sweep's staircase does for some samples, not for all of kSettled.
-bool ramps(const std::vector<double>& current_mA, std::size_t k) {
+/// Whether the current has moved slowly and evenly for `settled` samples up to sample `k`. A sweep's staircase does for some of them, not for all.
+bool ramps(const std::vector<double>& current_mA, std::size_t k, std::size_t settled) {
     constexpr double kMin_mA = 0.1;
     constexpr double kMax_mA = 2.0;
     constexpr double kEven_mA = 0.06;
-    const double from = current_mA[k - kSettled];
+    const double from = current_mA[k - settled];
     const double change = current_mA[k] - from;
     if (std::abs(change) < kMin_mA || std::abs(change) > kMax_mA) return false;
-    for (std::size_t i = 0; i < kSettled; ++i) {
-        const double even = from + change * static_cast<double>(i) / static_cast<double>(kSettled);
-        if (std::abs(current_mA[k - kSettled + i] - even) > kEven_mA) return false;
+    for (std::size_t i = 0; i < settled; ++i) {
+        const double even = from + change * static_cast<double>(i) / static_cast<double>(settled);
+        if (std::abs(current_mA[k - settled + i] - even) > kEven_mA) return false;
     }
     return true;
 }
@@ -51,15 +54,17 @@ bool ramps(const std::vector<double>& current_mA, std::size_t k) {
 std::string draw_map(const identification::ValveFit& v, const fs::path& directory) {
     auto table = settings::TextTable::csv("current_mA:.4f|rising_MPa:.5f|falling_MPa:.5f|rising_error_kPa:.3f|falling_error_kPa:.3f|map_MPa:.5f");
     const std::optional<double> none;
-    constexpr std::size_t kEvery = 25;
+    constexpr double kSettled_s = 0.3;  // of a slow ramp, after which the pressure is that of the map
+    constexpr double kEvery_s = 0.025;
     Series rising = dots("measured, current rising", pictures::sky), falling = dots("measured, current falling", pictures::orange);
     Series rising_error = dots("current rising", pictures::sky), falling_error = dots("current falling", pictures::orange);
     Series line{.name = "identified map", .colour = pictures::blue};
     for (const auto& r : v.residuals) {
-        for (std::size_t k = kSettled; k < r.used.size(); k += kEvery) {
+        const std::size_t settled = periods(r, kSettled_s), every = periods(r, kEvery_s);
+        for (std::size_t k = settled; k < r.used.size(); k += every) {
             const double current_mA = r.current_mA[k];
-            const double change = current_mA - r.current_mA[k - kSettled];
-            if (r.used[k] == 0 || !ramps(r.current_mA, k)) continue;
+            const double change = current_mA - r.current_mA[k - settled];
+            if (r.used[k] == 0 || !ramps(r.current_mA, k, settled)) continue;
             const double reading_MPa = r.measured_Pa[k] * 1e-6;
             const double error_kPa = (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3;
             (change > 0.0 ? rising : falling).add(current_mA, reading_MPa);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -51,10 +52,10 @@ std::string pole_text(Complex pole) {
     return fmt::format("{:.0f} 1/s, {:.0f} Hz", pole.real(), std::abs(pole.imag()) / kPerHz);
 }
 
-/// Eq. (6) without its delay, at j w.
+/// Eq. (6) without its delay, and the line, at j w.
 Complex valve_answer(const rig::ValveParameters& valve, double w) {
     const double n = valve.natural_frequency_radps;
-    return n * n / (n * n - w * w + Complex(0.0, 2.0 * valve.damping * n * w));
+    return n * n / (n * n - w * w + Complex(0.0, 2.0 * valve.damping * n * w)) / Complex(1.0, w * valve.line_s);
 }
 
 TyreRow tyre_row(const rig::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement) {
@@ -227,13 +228,14 @@ struct MarginsCommand {
     TyreOptions tyre;
     margins::StudyOptions options;
     bool constant_slip = false;
-    double picture_mps = 30.0;
+    std::optional<double> picture_mps;
     std::filesystem::path out = "out/margins";
     std::string json_file;  ///< "-": standard output
 
     int run() {
         margins::MarginsInput input = margins::load_margins_input(scenario);
         const auto tyres = tyre.tyres(input.cases.front().rig.wheel.compliance);
+        const double picture_speed = picture_speed_of(input.cases);
         settings::create_directories(out);  // refused now, not when the study is over
         options.slip_reference = scenario.slip;
         options.low_speed_fall = !constant_slip;
@@ -251,7 +253,7 @@ struct MarginsCommand {
             }
             head.tyre = margins::tyre_name(tyres[i]);
             write_json(out / "results.json", json_file, margins::to_json(input.cases, cells, head));
-            margins::draw_plant(input.cases, options.slip_reference, picture_mps, out / "margins.png");
+            margins::draw_plant(input.cases, options.slip_reference, picture_speed, out / "margins.png");
             margins::draw_margins(input.cases, cells, head, out / "margins_speed.png");
             print_table(json_file, "{}{}", margins::to_table(input.cases, cells, head), margins::excited_table(input.cases, cells));
             print_table(json_file, "Written to {}: results.json margins.png margins_speed.png\n", out.string());
@@ -262,6 +264,20 @@ struct MarginsCommand {
         return 0;
     }
 
+    /// All scenarios must have it between brake-on and drop-out.
+    [[nodiscard]] double picture_speed_of(const std::vector<margins::StopConditions>& cases) const {
+        constexpr double kUsual_mps = 30.0;
+        double low_mps = 0.0, high_mps = std::numeric_limits<double>::infinity();
+        for (const margins::StopConditions& c : cases) {
+            low_mps = std::max(low_mps, c.drop_out_mps);
+            high_mps = std::min(high_mps, c.rig.brake_on_mps);
+        }
+        const double speed_mps = picture_mps.value_or(std::clamp(kUsual_mps, low_mps, std::max(low_mps, high_mps)));
+        if (!(speed_mps >= low_mps && speed_mps <= high_mps))
+            throw std::invalid_argument(
+                fmt::format("--picture-speed: {:g} is not from {:g} to {:g} m/s, where all maneuvers brake", speed_mps, low_mps, high_mps));
+        return speed_mps;
+    }
     [[nodiscard]] static margins::Progress progress(std::size_t before, std::size_t tyres) {
         return [=, show = settings::step_progress("scenarios")](std::size_t done, std::size_t all) { show(before * all + done, tyres * all); };
     }
@@ -277,7 +293,8 @@ LabVerb margins_verb(CLI::App& lab) {
     verb->add_flag("--constant-slip", command->constant_slip, "the reference does not fall at low speed: the paper's exact law");
     command->tyre.add_to(*verb);
     verb->add_option("--mu-b", command->scenario.choice.friction, "mean brake friction instead of a new brake's");
-    verb->add_option("--picture-speed", command->picture_mps, "speed of margins.png, m/s")->check(CLI::Range(5.0, 49.0))->capture_default_str();
+    verb->add_option("--picture-speed", command->picture_mps,
+                     "speed of margins.png, m/s, from drop-out to the slowest maneuver's (default: 30, or the nearest of these)");
     settings::add_config_directory(*verb, command->scenario.config);
     settings::existing_file(
         verb->add_option("--controller", command->scenario.controller, "controller configuration (default: CONFIG/controller.toml)"));

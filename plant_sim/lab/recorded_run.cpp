@@ -1,5 +1,9 @@
 #include "plant_sim/lab/recorded_run.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
@@ -18,6 +22,27 @@ identification::Edges edges(const antiskid::control::SpeedInput& input) {
     return {.count = input.edge_count, .time_s = antiskid::host::seconds(input.edge_time)};
 }
 
+/// Counts the readings of a load cell at the end of its field, which say only that the force was not smaller.
+class AtEnd {
+  public:
+    AtEnd(const char* name, const antiskid::can::Signal& field)
+        : name_(name), end_N_(std::max(field.value(field.raw_min), field.value(field.raw_max))), half_step_N_(0.5 * std::abs(field.scale)) {}
+
+    void add(double force_N) { count_ += force_N > end_N_ - half_step_N_ ? 1U : 0U; }
+    void check(const fs::path& log) const {
+        if (count_ <= 3) return;
+        throw std::runtime_error(
+            fmt::format("{}: {} readings of the {} load cell at the end of their field ({:.0f} N): it saturates; expected a layout that carries the "
+                        "rig's forces",
+                        log.string(), count_, name_, end_N_));
+    }
+
+  private:
+    const char* name_;
+    double end_N_, half_step_N_;
+    std::size_t count_ = 0;
+};
+
 }  // namespace
 
 identification::Recording read_recording(const fs::path& log, const antiskid::can::Layout& layout, double period_s) {
@@ -28,6 +53,7 @@ identification::Recording read_recording(const fs::path& log, const antiskid::ca
     rig::replay::LogReader reader(log, options, warnings);
     rig::replay::MeasuredSignals signals(reader, layout, period_s);
     identification::Recording out{.name = log.parent_path().filename().string(), .period_s = period_s, .samples = {}};
+    AtEnd vertical("vertical", layout.load_cells.vertical_N), longitudinal("longitudinal", layout.load_cells.longitudinal_N);
     auto cells_received = antiskid::control::kNever;
     while (signals.next()) {
         const antiskid::can::BusView& view = signals.view();
@@ -45,8 +71,14 @@ identification::Recording read_recording(const fs::path& log, const antiskid::ca
                                .cells_new = view.load_cells_received != cells_received,
                                .vertical_N = static_cast<double>(view.load_cells.vertical_N),
                                .longitudinal_N = static_cast<double>(view.load_cells.longitudinal_N)});
+        if (out.samples.back().cells_new) {
+            vertical.add(out.samples.back().vertical_N);
+            longitudinal.add(out.samples.back().longitudinal_N);
+        }
         cells_received = view.load_cells_received;
     }
+    vertical.check(log);
+    longitudinal.check(log);
     if (out.samples.empty())
         throw std::runtime_error(log.string() + ": no sample of both encoders and pressure in it; expected a bus log of this layout");
     return out;

@@ -1,4 +1,7 @@
 /// What was identified, as configuration: the readers of plant and controller take it, whatever the digits.
+#include <fstream>
+#include <sstream>
+
 #include "firmware/host/controller_config.hpp"
 #include "plant_sim/study/identification/identified.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
@@ -54,4 +57,31 @@ TEST_CASE("a written configuration is read by plant and controller, whatever the
     CHECK(loaded.rig.surface.c2 == Approx(90.0));
     CHECK_THROWS_WITH(identification::write_config(found(full_Pa), {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to),
                       ContainsSubstring("exists already"));
+}
+
+TEST_CASE("a hysteresis and a line that the file assumed do not outlive an identification without them", "[STUDY-100]") {
+    const TemporaryDirectory directory;
+    const std::filesystem::path from = std::filesystem::path(directory / "assumed");
+    std::filesystem::copy("config", from, std::filesystem::copy_options::recursive);
+    std::stringstream text;
+    text << std::ifstream(from / "landing_gear.toml").rdbuf();
+    std::string assumed = text.str();
+    const std::string key = "\ndelay_ms = ";
+    assumed.replace(assumed.find(key), key.size(), "\nhysteresis_mA = 0.8\nline_ms = 5.0" + key);
+    std::ofstream(from / "landing_gear.toml") << assumed;
+    rig::ManeuverChoice choice;
+    choice.surface = "snow";
+    REQUIRE(rig::load_rig(from, choice).rig.valve.line_s == Approx(5e-3));
+
+    identification::Identified none = found(20.7e6);
+    none.valve.hysteresis_mA = {.value = 2e-5, .deviation = 2e-4, .low = -4e-4, .high = 4.4e-4};
+    const identification::ConfigFiles files{.rig = "landing_gear.toml", .controller = "controller.toml"};
+    identification::write_config(none, files, from, std::filesystem::path(directory / "none"));
+    const rig::ValveParameters valve = rig::load_rig(directory / "none", choice).rig.valve;
+    CHECK(valve.hysteresis_mA == 0.0);
+    CHECK(valve.line_s == 0.0);
+
+    identification::write_config(found(20.7e6), files, from, std::filesystem::path(directory / "some"));
+    CHECK(rig::load_rig(directory / "some", choice).rig.valve.hysteresis_mA == Approx(0.25));
+    CHECK(rig::load_rig(directory / "some", choice).rig.valve.line_s == 0.0);
 }

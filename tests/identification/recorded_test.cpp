@@ -39,3 +39,16 @@ TEST_CASE("the bus log of a maneuver in process holds its samples", "[BRG-200]")
     put(empty, "");
     CHECK_THROWS_WITH(plant_sim::lab::read_recording(empty, setup.layout, 1e-3), ContainsSubstring("no sample"));
 }
+
+TEST_CASE("a log whose load cells end at the end of their field is no recording", "[STUDY-100]") {
+    endurance::EnduranceSetup setup = identification_test::setup("rejected_takeoff");
+    antiskid::can::Signal& field = setup.layout.load_cells.longitudinal_N;
+    field.raw_max = field.raw(1e4);
+    const TemporaryDirectory directory;
+    endurance::TestCell cell = endurance_test::cell(setup, 2);
+    endurance::FrameLog log(setup.layout, std::chrono::milliseconds(1), directory / "bus.log");
+    static_cast<void>(cell.run(rig::plan(setup.scenario, 2, 1), [&log](const endurance::Period& p) { log.add(p); }));
+    log.finish();
+    CHECK_THROWS_WITH(plant_sim::lab::read_recording(directory / "bus.log", setup.layout, 1e-3),
+                      ContainsSubstring("bus.log") && ContainsSubstring("longitudinal") && ContainsSubstring("10000 N"));
+}

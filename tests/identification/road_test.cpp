@@ -1,8 +1,11 @@
 /// The readings behind Burckhardt's coefficients: their errors are as large, and hang together, as the fit takes them to be.
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "plant_sim/study/identification/friction_fit.hpp"
 #include "plant_sim/study/identification/friction_readings.hpp"
 #include "tests/catch.hpp"
 #include "tests/identification/experiments.hpp"
@@ -51,6 +54,33 @@ TEST_CASE("divided by their expected covariance, errors of friction readings are
     CAPTURE(name);
     CHECK(square == Approx(1.0).margin(0.12));
     CHECK(std::abs(neighbours) < 0.08);
+}
+
+TEST_CASE("a wheel that locks while its road is identified shows no slip between two edges", "[STUDY-100]") {
+    // Far beyond an early peak the reference of the heavy landing cannot be held from the first moment on.
+    std::vector<Run> runs;
+    for (const char* name : {"slow_braking", "heavy"}) {
+        endurance::EnduranceSetup setup = identification_test::setup(name);
+        rig::Surface& surface = setup.scenario.rig.rig.surface;
+        surface.c2 = 110.0;
+        surface.c3 = 0.6;
+        runs.push_back(run(setup, 1));
+    }
+    const auto motion = Motion::of(runs.back(), kAge_s);
+    REQUIRE(motion);
+    double max_slip = 0.0;
+    for (double t = motion->brake_on_s() + 0.02; motion->v_mps(t - 5e-3, t + 5e-3) > FrictionReadings::kSlowest_mps; t += 1e-3)
+        max_slip = std::max(max_slip, motion->slip(t - 5e-3, t + 5e-3));
+    REQUIRE(max_slip > 0.8);
+    const identification::FrictionFit f = identification::fit_friction(runs, runs.front().surface);
+    CAPTURE(f.c2.value, f.c3.value);
+    CHECK(std::abs(f.c2.value - 110.0) < 4.0 * f.c2.deviation);
+    CHECK(std::abs(f.c3.value - 0.6) < 4.0 * f.c3.deviation);
+}
+
+TEST_CASE("landings below the peak alone are refused with numbers", "[STUDY-100]") {
+    const std::vector<Run> runs{run(identification_test::setup("slow_braking"), 11)};
+    CHECK_THROWS_WITH(identification::fit_friction(runs, runs.front().surface), ContainsSubstring("slip is held up to") && !ContainsSubstring("nan"));
 }
 
 TEST_CASE("the free radius is as certain as it says", "[STUDY-100]") {

@@ -2,6 +2,7 @@
 the programs load, and a stop replayed with it."""
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -76,4 +77,14 @@ with tempfile.TemporaryDirectory() as place:
     expect("ramp.toml" in run(RIG_LAB, "identify", *folders[1:], "--out", place / "without", status=1), "no ramp")
     expect(not (place / "without" / "config").exists(), "half-written")
     expect("summary.json" in run(RIG_LAB, "identify", place, "--out", place / "none", status=2), "no run")
+
+    # STUDY-100: the same at a control period of 5 ms, where 0.3 s of a ramp are 60 samples.
+    slow = place / "slow"
+    shutil.copytree("config", slow)
+    controller = slow / "controller.toml"
+    controller.write_text(controller.read_text().replace("period_ms = 1.0", "period_ms = 5.0"))
+    for name in experiments:
+        run(RIG_LAB, "maneuver", slow / "scenarios" / f"{name}.toml", "--config", slow, "--seed", 40, "--out", place / "5ms" / name)
+    run(RIG_LAB, "identify", *(place / "5ms" / name for name in experiments), "--config", slow, "--out", place / "5ms" / "out")
+    expect(len((place / "5ms" / "out" / "static_map.png").read_bytes()) > 5000, "picture of the map at 5 ms")
 print("identified, validated, loaded")

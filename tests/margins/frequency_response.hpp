@@ -28,6 +28,7 @@ class FrozenStop {
           estimator_(config_),
           law_(config_.slip, config_.period_s),
           valve_(rig.valve.natural_frequency_radps, rig.valve.damping, rig.valve.delay_s),
+          line_s_(rig.valve.line_s),
           wheel_(rig.wheel_encoder.teeth),
           flywheel_(rig.flywheel_encoder.teeth),
           flywheel_radius_m_(rig.flywheel_radius_m),
@@ -55,10 +56,14 @@ class FrozenStop {
         if (hold_ || deaf_) {
             // A tyre that gives way comes to its equilibrium by itself, where it has one.
             valve_.hold(at_.pressure_Pa, h, [this](double p, double dt) {
-                if (tyre_ && hold_) move(p, dt);
+                pass_line(p, dt);
+                if (tyre_ && hold_) move(brake_Pa_, dt);
             });
         } else {
-            valve_.hold(at_.pressure_Pa + gain_ * (given + added_Pa - at_.pressure_Pa), h, [this](double p, double dt) { move(p, dt); });
+            valve_.hold(at_.pressure_Pa + gain_ * (given + added_Pa - at_.pressure_Pa), h, [this](double p, double dt) {
+                pass_line(p, dt);
+                move(brake_Pa_, dt);
+            });
         }
         now_ += antiskid::control::Time(std::llround(h * 1e9));
         wheel_.turn_to((1.0 - slip_) * at_.speed_mps / at_.radius_m, h);
@@ -66,7 +71,7 @@ class FrozenStop {
         wheel_.report(sensors_.wheel, now_);
         flywheel_.report(sensors_.flywheel, now_);
         sensors_.pressure.received = now_;
-        sensors_.pressure.pressure_Pa = static_cast<float>(valve_.pressure_Pa());
+        sensors_.pressure.pressure_Pa = static_cast<float>(brake_Pa_);
         const auto& e = estimator_.update(sensors_, static_cast<float>(given));
         if (!hold_)
             command_Pa_ =
@@ -127,7 +132,7 @@ class FrozenStop {
     /// What the observer takes the wheel's pole for.
     [[nodiscard]] double wheel_pole_radps() const { return static_cast<double>(estimator_.estimate().wheel_pole_radps); }
     [[nodiscard]] double slip() const { return slip_; }
-    [[nodiscard]] double pressure_Pa() const { return valve_.pressure_Pa(); }
+    [[nodiscard]] double pressure_Pa() const { return brake_Pa_; }
 
   private:
     static antiskid::control::Config with_radius(antiskid::control::Config c, const study::margins::OperatingPoint& at) {
@@ -135,6 +140,9 @@ class FrozenStop {
         c.wheel.nominal_radius_m = static_cast<float>(at.radius_m - lift * at.speed_mps * at.speed_mps);
         return c;
     }
+
+    /// First-order lag, exact for a pressure that is held over the step.
+    void pass_line(double valve_Pa, double dt) { brake_Pa_ += (valve_Pa - brake_Pa_) * (line_s_ > 0.0 ? -std::expm1(-dt / line_s_) : 1.0); }
 
     void move(double pressure_Pa, double dt) {
         if (!tyre_) {
@@ -159,6 +167,8 @@ class FrozenStop {
     antiskid::control::Estimator estimator_;
     antiskid::control::SlipLaw law_;
     control_test::ValveTruth valve_;
+    double line_s_;
+    double brake_Pa_ = 0.0;
     control_test::Shaft wheel_, flywheel_;
     double flywheel_radius_m_;
     antiskid::control::Sensors sensors_;

@@ -62,6 +62,23 @@ TEST_CASE("frequency response of the real estimator and law in the loop", "[STUD
     }
 }
 
+TEST_CASE("a line between valve and brake is in the law's loop as it is in the plant", "[STUDY-123]") {
+    plant_sim::StopInputs s = scenario("dry_asphalt");
+    s.plant.rig.valve.line_s = 5e-3;
+    const double v = speed_at(s, 0.97);
+    const OperatingPoint at = operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
+    const antiskid::control::Config config = knowing(s.controller, at);
+    const SampledLoop loop(law_system(config, s.plant.rig, at, Linearisation::full));
+    margins_test::FrozenStop stop(config, s.plant.rig, at);
+    for (const double w : {15.0, 40.0, 100.0, 200.0, 300.0}) {
+        double frequency = w;
+        const Complex measured = stop.loop(frequency, 2e4 * v / 40.0, 1.0);
+        const Complex computed = loop.response(frequency);
+        INFO(frequency << " rad/s: measured " << measured << ", computed " << computed);
+        CHECK(std::abs(measured - computed) < 0.05 * std::max(1.0, std::abs(computed)));
+    }
+}
+
 TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with the frequency that was said", "[STUDY-123]") {
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt", "snow"}) {
         const plant_sim::StopInputs s = scenario(surface);

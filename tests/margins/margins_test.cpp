@@ -108,7 +108,8 @@ TEST_CASE("a loop that no gain makes stable is called so", "[STUDY-123]") {
 }
 
 TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-123]") {
-    const rig::ValveParameters valve{.natural_frequency_radps = 125.0, .damping = 0.8, .delay_s = 0.006};
+    const double line_s = GENERATE(0.0, 4e-3);
+    const rig::ValveParameters valve{.natural_frequency_radps = 125.0, .damping = 0.8, .delay_s = 0.006, .line_s = line_s};
     OperatingPoint at;
     at.speed_mps = 20.0;
     at.slip = 0.24;
@@ -128,7 +129,7 @@ TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-123]") {
                 const double a = at.load_N / (at.mass_kg * at.speed_mps) * (at.mu_1 * ((1.0 - at.slip) + at.mass_kg * 0.32 * 0.32 / 1.3) - aircraft);
                 const Complex c = pid.k_p_per_s + pid.k_i_per_s2 / s + pid.k_d * s / (1.0 + s * pid.filter_s);
                 const double schedule = 1.3 * 20.0 / (0.32 * 1e-3) * std::pow(20.0 / 40.0, pid.schedule - 1.0);
-                const Complex valve_lag = 1e-3 * std::exp(-0.006 * s) / (1.0 + 2.0 * 0.8 * s / 125.0 + s * s / (125.0 * 125.0));
+                const Complex valve_lag = 1e-3 * std::exp(-0.006 * s) / (1.0 + 2.0 * 0.8 * s / 125.0 + s * s / (125.0 * 125.0)) / (1.0 + s * line_s);
                 const Complex wheel = 0.32 / (1.3 * 20.0) / (s + a);
                 const Complex expected = schedule * c * valve_lag * wheel;
                 CHECK(std::abs(loop.value(s) / expected - 1.0) < 1e-12);

@@ -79,6 +79,12 @@ with tempfile.TemporaryDirectory() as scratch:
         refused(f"tune: {option} {value}", [option], "tune", option, value, "--out", out)
     for option, value in (("--picture-speed", 4), ("--picture-speed", "nan"), ("--controller", "/nowhere.toml")):
         refused(f"margins: {option} {value}", ["/nowhere.toml" if option == "--controller" else option], "margins", option, value, "--out", out)
+    maneuvers = config / "maneuvers.toml"
+    shipped = maneuvers.read_text()
+    maneuvers.write_text(shipped.replace("speed_mps = 49.0", "speed_mps = 30.0"))
+    refused("margins: a picture at a speed that a maneuver never has", ["--picture-speed", "5 to 30"], "margins", "--config", config,
+            "--picture-speed", 40, "--out", out)
+    maneuvers.write_text(shipped)
     refused("tune: --check of the PID", ["--loop law"], "tune", "--check", "--out", out)
     refused("tune: --check and --write", ["--write"], "tune", "--loop", "law", "--check", "--write", CONFIG / "controller.toml", "--out", out)
     refused("tune: --write of the PID", ["--loop law"], "tune", "--write", CONFIG / "controller.toml", "--out", out)

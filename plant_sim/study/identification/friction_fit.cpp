@@ -142,9 +142,10 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
     const rig::Peak peak = rig::peak(s);
     if (out.largest_slip < 1.1 * peak.slip || out.c3.high - out.c3.low > out.c1.value) {
         throw NotIdentifiable(
-            fmt::format("{}: slip is held up to {:.3f} only, the friction's peak lies near {:.3f}: c1 and c3 cannot be told apart; expected a "
-                        "landing with a slip reference beyond the peak (config/scenarios/heavy.toml)",
-                        surface, out.largest_slip, peak.slip));
+            fmt::format("{}: slip is held up to {:.3f} only, {}: c1 and c3 cannot be told apart; expected a landing that is recorded from before "
+                        "touchdown, with a slip reference beyond the peak (config/scenarios/heavy.toml)",
+                        surface, out.largest_slip,
+                        std::isfinite(peak.slip) ? fmt::format("the friction's peak lies near {:.3f}", peak.slip) : "where friction still rises"));
     }
     constexpr double kWorst = 0.3;
     if (out.c2.high - out.c2.low > kWorst * out.c2.value) {

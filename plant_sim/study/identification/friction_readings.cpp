@@ -54,6 +54,8 @@ FrictionReadings::FrictionReadings(const Run& run, const Motion& motion)
         const double t = c.time_s;
         if (t < motion.brake_on_s() || t + 3.0 * kHalf_s > motion.end_s() || !(c.vertical_N > 0.0)) continue;
         if (motion.v_mps(t - kHalf_s, t + kHalf_s) < kSlowest_mps) break;
+        // A wheel that hardly turns has no edge in the window: its slip would be the mean over a longer one.
+        if (motion.wheel().place(t - kHalf_s).edge == motion.wheel().place(t + kHalf_s).edge) continue;
         if (t - last_s < kHalf_s) continue;
         const double slip = motion.slip(t - kHalf_s, t + kHalf_s);
         const double change = motion.slip(t, t + kWindow_s) - motion.slip(t - kWindow_s, t);

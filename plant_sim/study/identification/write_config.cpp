@@ -38,6 +38,13 @@ class EditedToml {
         if (!optional) throw settings::Error(file_.string(), static_cast<std::uint32_t>(head + 1), table + "." + key, "is missing");
         lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(head) + 1, line);
     }
+    /// Whether the file has the key.
+    [[nodiscard]] bool has(const std::string& table, const std::string& key) const {
+        for (std::size_t i = header(table) + 1; i < lines_.size() && !lines_[i].starts_with('['); ++i) {
+            if (is_key(lines_[i], key)) return true;
+        }
+        return false;
+    }
     void set(const std::string& table, const std::string& key, const Estimate& e, double factor = 1.0) {
         set(table, key, fmt::format("{:.8g}", e.value * factor), fmt::format(", 95 %: {:.6g} to {:.6g}", e.low * factor, e.high * factor));
     }
@@ -100,9 +107,13 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
     set_valve(controller, v);
     const Estimate& full_Pa = v.pressure_Pa.back();
     controller.set("valve", "full_pressure_Pa", pascals(full_Pa.value), fmt::format(", 95 %: {:.6g} to {:.6g}", full_Pa.low, full_Pa.high));
-    if (v.hysteresis_mA.low > 0.0)
-        plant.set("valve", "hysteresis_mA", fmt::format("{:.6g}", v.hysteresis_mA.value),
+    // A hysteresis or line that the file assumed is not what the recordings show: the gauge is at the brake, so frequency and delay contain the line.
+    if (v.hysteresis_mA.low > 0.0 || plant.has("valve", "hysteresis_mA")) {
+        const double width_mA = v.hysteresis_mA.low > 0.0 ? v.hysteresis_mA.value : 0.0;
+        plant.set("valve", "hysteresis_mA", fmt::format("{:.6g}", width_mA),
                   fmt::format(", 95 %: {:.6g} to {:.6g}", v.hysteresis_mA.low, v.hysteresis_mA.high), true);
+    }
+    if (plant.has("valve", "line_ms")) plant.set("valve", "line_ms", "0.0", ": the dynamics above contain it");
     if (found.wheel) {
         const WheelFit& w = *found.wheel;
         plant.set("wheel", "inertia_kgm2", w.inertia_kgm2);

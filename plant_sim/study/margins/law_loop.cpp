@@ -16,7 +16,8 @@ namespace study::margins {
 
 namespace {
 
-/// One period: pressure and its rate, the wheel's state of linear_wheel.hpp, the integral of the rim's slip since the beginning of the period.
+/// One period: pressure at the brake; at the valve, if there is a line; the latter's rate; the wheel's state of linear_wheel.hpp, the integral of the
+/// rim's slip since the beginning of the period.
 struct SampledPlant {
     Eigen::MatrixXd phi;
     Eigen::VectorXd old_input, new_input;  ///< of the command before and after the broken part of the delay
@@ -29,16 +30,26 @@ double slope(const std::vector<rig::PressureMap::Point>& points, double p) {
     return (points[i].pressure_Pa - points[i - 1].pressure_Pa) / (points[i].current_mA - points[i - 1].current_mA);
 }
 
+/// Number of states of valve and line.
+Eigen::Index pressure_states(const rig::ValveParameters& valve) {
+    return valve.line_s > 0.0 ? 3 : 2;
+}
+
 /// `per_pressure`: q of `wheel` per unit of pressure; `per_command`: pressure per unit of command; `broken_s`: the fractional part of the delay.
 SampledPlant sampled_plant(const rig::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command, double period_s,
                            double broken_s) {
-    const Eigen::Index rim = 2, n = wheel.a.rows(), integral = rim + n, input = integral + 1;
+    const Eigen::Index rim = pressure_states(valve), rate = rim - 1, at_valve = rim - 2;
+    const Eigen::Index n = wheel.a.rows(), integral = rim + n, input = integral + 1;
     const double w = valve.natural_frequency_radps;
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(input + 1, input + 1);
-    a(0, 1) = 1.0;
-    a(1, 0) = -w * w;
-    a(1, 1) = -2.0 * valve.damping * w;
-    a(1, input) = w * w * per_command;
+    if (valve.line_s > 0.0) {
+        a(0, 0) = -1.0 / valve.line_s;
+        a(0, at_valve) = 1.0 / valve.line_s;
+    }
+    a(at_valve, rate) = 1.0;
+    a(rate, at_valve) = -w * w;
+    a(rate, rate) = -2.0 * valve.damping * w;
+    a(rate, input) = w * w * per_command;
     a(rim, 0) = per_pressure * wheel.gain;
     a.block(rim, rim, n, n) = wheel.a;
     a(integral, rim) = 1.0;
@@ -118,7 +129,7 @@ class Period {
         pipe_ = whole_periods(rig.valve.delay_s, h_);
         const double broken = std::max(rig.valve.delay_s - static_cast<double>(pipe_) * h_, 0.0);
         const LinearWheel wheel = linear_wheel(at, linearisation);
-        wheel_states_ = wheel.a.rows();
+        motion_states_ = pressure_states(rig.valve) + wheel.a.rows();
         plant_ = sampled_plant(rig.valve, wheel, true_per_believed, valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
     }
 
@@ -139,7 +150,7 @@ class Period {
     [[nodiscard]] Index valve_at() const { return static_cast<Index>(whole_) + 2; }
     [[nodiscard]] Index plant_at() const { return valve_at() + 6; }
     [[nodiscard]] Index motion_at() const { return plant_at() + static_cast<Index>(pipe_) + 2; }
-    [[nodiscard]] Index means_at() const { return motion_at() + 2 + wheel_states_; }
+    [[nodiscard]] Index means_at() const { return motion_at() + motion_states_; }
 
     /// WheelStep of wheel_observer.hpp.
     struct Motion {
@@ -241,7 +252,7 @@ class Period {
         x[p] = w;
         // The command of `pipe_` periods ago acts after the fractional part of the delay, before that the previous one.
         const Index acting = p + static_cast<Index>(pipe_);
-        const Index moving = 2 + wheel_states_;
+        const Index moving = motion_states_;
         VectorXd motion(moving + 1);
         motion << x.segment(m, moving), 0.0;
         motion = (plant_.phi * motion + plant_.new_input * x[acting] + plant_.old_input * x[acting + 1]).eval();
@@ -259,7 +270,7 @@ class Period {
     Gains correct_;
     double edge_age_ = 0.0, reading_age_ = 0.0, deceleration_per_s_ = 0.0;
     Lag model_;
-    Index wheel_states_ = 1;
+    Index motion_states_ = 0;  // of valve, line and wheel
     SampledPlant plant_;
 };
 

@@ -1,10 +1,10 @@
 /// The shipped law as a linear loop: control::Estimator, control::SlipLaw and the plant for small motions around an equilibrium.
 ///
-/// The loop is opened at the valve current and computed exactly, period by period: the sampled wheel and valve of the plant, its delay in whole and
-/// fractional periods; the controller's valve model with the commands in its delay line, its observer, its prediction over the delay, the law. If the
-/// encoder's edges are further apart than a period, there is a new reading only in every N-th, N = round(T_edge / h): the loop is periodic, and
-/// margins() uses its N characteristic loci. A gain error in front of L stands for one of valve gain, of brake gain (to first order) or of the
-/// current map.
+/// The loop is opened at the valve current and computed exactly, period by period: the sampled wheel, valve and hydraulic line of the plant, its
+/// delay in whole and fractional periods; the controller's valve model with the commands in its delay line, its observer, its prediction over the
+/// delay, the law. If the encoder's edges are further apart than a period, there is a new reading only in every N-th, N = round(T_edge / h): the
+/// loop is periodic, and margins() uses its N characteristic loci. A gain error in front of L stands for one of valve gain, of brake gain (to first
+/// order) or of the current map.
 ///
 /// The observer is taken as settled, with the wheel's pole known: that of the rigid wheel, also for a compliant tyre (which is what the observer
 /// sees below the tyre's mode). Neglected are: learning and forgetting of the pole; limits of pressure, slip rate and integral, the retreat of the

@@ -24,9 +24,12 @@ std::vector<Complex> roots(double a, double b, double c) {
     return {Complex(q / a), Complex(c / q)};
 }
 
+/// Of valve and line.
 std::vector<Complex> valve_poles(const rig::ValveParameters& valve) {
     const double w = valve.natural_frequency_radps;
-    return roots(1.0, 2.0 * valve.damping * w, w * w);
+    std::vector<Complex> poles = roots(1.0, 2.0 * valve.damping * w, w * w);
+    if (valve.line_s > 0.0) poles.emplace_back(-1.0 / valve.line_s);
+    return poles;
 }
 
 /// Transfer function from the brake's slip rate to slip: gain prod(s - z) / prod(s - p).
@@ -47,6 +50,7 @@ DelayLoop make(const Pid& pid, const rig::ValveParameters& valve, Wheel wheel, d
     const std::vector<Complex> lag = valve_poles(valve);
     poles.insert(poles.begin(), lag.begin(), lag.end());
     double gain = factor * w * w * wheel.gain;
+    if (valve.line_s > 0.0) gain /= valve.line_s;
     // C(s) = (k_p s (1 + s T) + k_i (1 + s T) + k_d s^2) / (s (1 + s T))
     const double t = pid.k_d != 0.0 ? pid.filter_s : 0.0;
     double c2 = pid.k_p_per_s * t + pid.k_d, c1 = pid.k_p_per_s + pid.k_i_per_s2 * t, c0 = pid.k_i_per_s2;
