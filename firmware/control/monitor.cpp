@@ -123,8 +123,8 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     const float model_Pa = estimator.uncorrected_pressure_Pa();
     const float rim = e.omega_radps * e.radius_m;
     const bool hurries = rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
-    // Whatever the runway, a wheel that slips steadily would need more torque than this; one that spins up again slips legitimately.
-    const bool hardly_braked = model_Pa < 0.2F * released_Pa_;
+    // A wheel that spins up again slips legitimately.
+    const bool hardly_braked = model_Pa < config_.hardly_braked_Pa;
     const bool slips =
         rolls && hardly_braked && e.slip > config_.free_slip && magnitude(e.omega_dot_radps2) * e.radius_m < config_.max_deceleration_mps2;
     const bool released = model_Pa < 0.04F * released_Pa_;
@@ -197,7 +197,7 @@ inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver,
     constexpr float kMax_s = 0.1F;
     if (!holds_slip(maneuver.law) || !previous.braking) {
         excess_slip_s_ = 0.0F;
-    } else if (estimator.uncorrected_pressure_Pa() >= 0.2F * released_Pa_) {
+    } else if (estimator.uncorrected_pressure_Pa() >= config_.hardly_braked_Pa) {
         const float excess = estimator.estimate().slip - previous.slip_reference - kHeldWithin;
         excess_slip_s_ = larger(excess_slip_s_ + excess * period_s_, 0.0F);
         if (excess_slip_s_ > kMax_s) faults.insert(Fault::speeds_disagree);
