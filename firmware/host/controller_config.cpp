@@ -181,6 +181,7 @@ constexpr float kOverspeed = 3.0F;      // of radius_tolerance
 constexpr float kRejectTimeout = 0.5F;  // of sensor_max_age_ms, as frames that are that late count as lost
 constexpr float kHardest = 2.0F;        // of brake_gain_m3: linings grip 1.3 times that (uncertainty.toml), a carcass swings back by the rest
 constexpr float kHardlyBraked = 0.5F;   // of the pressure whose torque is that of the most slippery runway, J_w min_spin_up_mps2 / r
+constexpr float kSteady = 0.3F;         // of min_spin_up_mps2: under half of the runway's torque a wheel gains at least half of it
 constexpr float kCurrent = 1.01F;       // of the valve map's last current: half a step of its field
 constexpr float kFreeSlip = 1.6F;       // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
 }  // namespace derived
@@ -219,6 +220,7 @@ control::MonitorConfig monitor(const settings::Table& t, const Config& c, float 
             .overspeed_share = derived::kOverspeed * c.wheel.radius_tolerance,
             .free_slip = derived::kFreeSlip * c.wheel.radius_tolerance,
             .hardly_braked_Pa = derived::kHardlyBraked * torque_Nm / c.wheel.brake_gain_m3,
+            .steady_mps2 = derived::kSteady * c.supervisor.min_spin_up_mps2,
             .off_command_Pa = off_command_Pa,
             .off_command_s = derived::kOffCommand * stuck_s,
             .plausible_above_mps = derived::kPlausible * c.supervisor.drop_out_mps,

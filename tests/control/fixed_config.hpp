@@ -114,6 +114,7 @@ inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
                  .overspeed_share = 0.15F,
                  .free_slip = 0.2F,
                  .hardly_braked_Pa = 0.1e6F,
+                 .steady_mps2 = 15.0F,
                  .off_command_Pa = 3e6F,
                  .off_command_s = 0.1F,
                  .plausible_above_mps = 8.0F,

@@ -30,12 +30,16 @@ AIRCRAFT = {
     "airliner": {"J": 16.0, "r_0": 0.565, "k_r": 3.6e6, "lift_m2": 25.0, "R_f": 1.0, "kg": (10500, 15500), "mps": (60, 70), **OWN_VALVE},
     "slow valve": {"J": 1.3, "r_0": 0.335, "k_r": 2.7e6, "lift_m2": 5.9, "R_f": 0.6, "kg": (2800, 4450), "mps": (49, 61),
                    **OWN_VALVE, "valve_Hz": 10.0, "delay_ms": 12.0},
+    "fighter": {"J": 2.2, "r_0": 0.37, "k_r": 3.8e6, "lift_m2": 7.0, "R_f": 0.5, "kg": (5200, 7500), "mps": (65, 78),
+                "full_Pa": 27.6e6, "teeth": 100, "valve_Hz": 25.0, "delay_ms": 5.0},
 }
 HELD_OUT = {
     "turboprop": {"J": 5.0, "r_0": 0.43, "k_r": 2.2e6, "lift_m2": 14.0, "R_f": 0.8, "kg": (4200, 5600), "mps": (46, 55),
                   "full_Pa": 20.7e6, "teeth": 48, "valve_Hz": 16.0, "delay_ms": 8.0},
-    "fighter": {"J": 2.2, "r_0": 0.37, "k_r": 3.8e6, "lift_m2": 7.0, "R_f": 0.5, "kg": (5200, 7500), "mps": (65, 78),
-                "full_Pa": 27.6e6, "teeth": 100, "valve_Hz": 25.0, "delay_ms": 5.0},
+    "regional jet": {"J": 6.5, "r_0": 0.46, "k_r": 2.9e6, "lift_m2": 13.0, "R_f": 0.7, "kg": (5500, 8000), "mps": (58, 66),
+                     "full_Pa": 20.7e6, "teeth": 80, "valve_Hz": 18.0, "delay_ms": 7.0},
+    "bush plane": {"J": 1.1, "r_0": 0.36, "k_r": 0.5e6, "lift_m2": 12.0, "R_f": 0.6, "kg": (900, 1400), "mps": (26, 33),
+                   "full_Pa": 5.2e6, "teeth": 50, "valve_Hz": 22.0, "delay_ms": 6.0},
 }
 
 
