@@ -171,6 +171,8 @@ struct MonitorConfig {
     float pressure_moves_Pa = 0.0F;  ///< a change of the modelled pressure by this must show in the reading
     float overspeed_share = 0.0F;    ///< allowed excess of the wheel's rim speed over the aircraft's, and jump of the aircraft's speed, as share
     float free_slip = 0.0F;          ///< largest steady slip of a wheel that is hardly braked
+    float hardly_braked_Pa = 0.0F;   ///< a wheel that slips steadily needs more pressure than this, whatever the runway
+    float steady_mps2 = 0.0F;        ///< rim acceleration below which a hardly braked wheel does not spin up again
     float off_command_Pa = 0.0F;
     float off_command_s = 0.0F;
     float plausible_above_mps = 0.0F;    ///< speeds are compared above it

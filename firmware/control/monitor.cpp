@@ -123,10 +123,9 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     const float model_Pa = estimator.uncorrected_pressure_Pa();
     const float rim = e.omega_radps * e.radius_m;
     const bool hurries = rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
-    // Whatever the runway, a wheel that slips steadily would need more torque than this; one that spins up again slips legitimately.
-    const bool hardly_braked = model_Pa < 0.2F * released_Pa_;
-    const bool slips =
-        rolls && hardly_braked && e.slip > config_.free_slip && magnitude(e.omega_dot_radps2) * e.radius_m < config_.max_deceleration_mps2;
+    // A wheel that spins up again slips legitimately.
+    const bool hardly_braked = model_Pa < config_.hardly_braked_Pa;
+    const bool slips = rolls && hardly_braked && e.slip > config_.free_slip && magnitude(e.omega_dot_radps2) * e.radius_m < config_.steady_mps2;
     const bool released = model_Pa < 0.04F * released_Pa_;
     const bool stuck = rolls && released && stands;
     wheel_.stays.take(stuck ? only(Fault::wheel_stuck) : only(Fault::speeds_disagree, slips));
@@ -191,15 +190,16 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
     faults.insert(pressure_stays_.found());
 }
 
-/// Integrates slip above the reference, reduced by slip below it: no healthy loop stays above it for long, on any surface. Paused without pressure,
-/// because a released wheel on ice spins up slowly.
+/// Integrates slip above the reference, reduced by slip below it. A loop that swings with its valve comes back to the reference again and again;
+/// speeds that disagree hold the slip up. Paused without pressure, because a released wheel on ice spins up slowly.
 inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const PreviousStep& previous) {
     constexpr float kMax_s = 0.1F;
+    const Estimate& e = estimator.estimate();
     if (!holds_slip(maneuver.law) || !previous.braking) {
-        excess_slip_s_ = 0.0F;
-    } else if (estimator.uncorrected_pressure_Pa() >= 0.2F * released_Pa_) {
-        const float excess = estimator.estimate().slip - previous.slip_reference - kHeldWithin;
-        excess_slip_s_ = larger(excess_slip_s_ + excess * period_s_, 0.0F);
+        excess_slip_s_ = held_slip_ = 0.0F;
+    } else if (estimator.uncorrected_pressure_Pa() >= config_.hardly_braked_Pa) {
+        held_slip_ = smaller(e.slip, held_slip_ + (e.slip - held_slip_) * period_s_ / config_.stuck_s);
+        excess_slip_s_ = larger(excess_slip_s_ + (held_slip_ - previous.slip_reference - kHeldWithin) * period_s_, 0.0F);
         if (excess_slip_s_ > kMax_s) faults.insert(Fault::speeds_disagree);
     }
 }

@@ -110,6 +110,7 @@ class Monitor {
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;
     float model_at_change_Pa_ = 0.0F;
+    float held_slip_ = 0.0F;  // the lowest of late, forgotten over `stuck_s`
     float excess_slip_s_ = 0.0F;
     std::uint32_t overrun_score_ = 0;
 };

@@ -180,6 +180,8 @@ constexpr float kPressureRate = 2.0F;   // of a full step's rate by eq. (6); the
 constexpr float kOverspeed = 3.0F;      // of radius_tolerance
 constexpr float kRejectTimeout = 0.5F;  // of sensor_max_age_ms, as frames that are that late count as lost
 constexpr float kHardest = 2.0F;        // of brake_gain_m3: linings grip 1.3 times that (uncertainty.toml), a carcass swings back by the rest
+constexpr float kHardlyBraked = 0.5F;   // of the pressure whose torque is that of the most slippery runway, J_w min_spin_up_mps2 / r
+constexpr float kSteady = 0.3F;         // of min_spin_up_mps2: under half of the runway's torque a wheel gains at least half of it
 constexpr float kCurrent = 1.01F;       // of the valve map's last current: half a step of its field
 constexpr float kFreeSlip = 1.6F;       // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
 }  // namespace derived
@@ -202,10 +204,10 @@ control::SupervisorConfig supervisor(const settings::Table& t, const control::Va
             .pass_through_rate_Paps = number(t, "pass_through_rate_Paps", 1e5, 1e10)};
 }
 
-control::MonitorConfig monitor(const settings::Table& t, const Config& c, float drop_out_mps) {
+control::MonitorConfig monitor(const settings::Table& t, const Config& c, float stuck_s) {
     const double period_ms = static_cast<double>(c.period_s) * 1e3;
     const float max_age_s = milliseconds(t, "sensor_max_age_ms", 2.0 * period_ms, 1000.0);
-    const float stuck_s = milliseconds(t, "stuck_ms", 50.0, 5000.0);
+    const float torque_Nm = c.wheel.inertia_kgm2 * c.supervisor.min_spin_up_mps2 / c.wheel.nominal_radius_m;  // of the most slippery runway
     const float off_command_Pa = number(t, "off_command_Pa", 1e4, 1e8);
     return {.sensor_max_age_s = max_age_s,
             .maneuver_max_age_s = milliseconds(t, "maneuver_max_age_ms", 2.0 * period_ms, 5000.0),
@@ -217,9 +219,11 @@ control::MonitorConfig monitor(const settings::Table& t, const Config& c, float 
             .pressure_moves_Pa = derived::kMoves * off_command_Pa,
             .overspeed_share = derived::kOverspeed * c.wheel.radius_tolerance,
             .free_slip = derived::kFreeSlip * c.wheel.radius_tolerance,
+            .hardly_braked_Pa = derived::kHardlyBraked * torque_Nm / c.wheel.brake_gain_m3,
+            .steady_mps2 = derived::kSteady * c.supervisor.min_spin_up_mps2,
             .off_command_Pa = off_command_Pa,
             .off_command_s = derived::kOffCommand * stuck_s,
-            .plausible_above_mps = derived::kPlausible * drop_out_mps,
+            .plausible_above_mps = derived::kPlausible * c.supervisor.drop_out_mps,
             .overruns = static_cast<std::uint16_t>(std::lround(derived::kOverruns * max_age_s / c.period_s)),
             .max_deceleration_mps2 = number(t, "max_deceleration_mps2", 0.1, 100.0),
             .max_current_mA = derived::kCurrent * c.valve.current_mA[c.valve.points - 1U]};
@@ -245,8 +249,9 @@ control::Config load_controller_config(const std::filesystem::path& path) {
     c.pressure_bias = pressure_bias(root.table("pressure_bias"));
     const settings::Table states = root.table("supervisor");
     const settings::Table checks = root.table("monitor");
-    c.monitor = monitor(checks, c, number(states, "drop_out_mps", 1.2, 20.0));
-    c.supervisor = supervisor(states, c.valve, c.monitor.stuck_s);
+    const float stuck_s = milliseconds(checks, "stuck_ms", 50.0, 5000.0);
+    c.supervisor = supervisor(states, c.valve, stuck_s);
+    c.monitor = monitor(checks, c, stuck_s);
     c.wheel.hardest_brake = derived::kHardest;
     c.wheel.encoder.reject_timeout_s = c.flywheel.encoder.reject_timeout_s = derived::kRejectTimeout * c.monitor.sensor_max_age_s;
     doc.finish();

@@ -233,6 +233,8 @@ TEST_CASE("the shipped files load, in SI units", "[CTL-090]") {
     CHECK(c.monitor.pressure_moves_Pa == Approx(1e6F));
     CHECK(c.monitor.overspeed_share == Approx(0.15F));
     CHECK(c.monitor.free_slip == Approx(0.08F));
+    CHECK(c.monitor.steady_mps2 == Approx(15.0F));
+    CHECK(c.monitor.hardly_braked_Pa == Approx(0.5F * 1.3F * 50.0F / (0.322F * 1.04e-3F)));
     CHECK(c.monitor.off_command_s == Approx(0.1F));
     CHECK(c.monitor.plausible_above_mps == Approx(4.5F));
     CHECK(c.monitor.overruns == 50);
