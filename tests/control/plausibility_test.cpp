@@ -64,6 +64,7 @@ TEST_CASE("frames that come late after their edges are lost ones, one alone is n
 
 TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-081][CTL-040]") {
     Config config = exact_config();
+    config.monitor.stuck_s = 0.25F;
     config.monitor.free_slip = 0.9F;
     Watch w(config);
     w.current_mA = 8.0F;  // 2.1 MPa
