@@ -107,6 +107,13 @@ TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-081
         w.sensors.maneuver.law = braking ? Law::threshold : Law::wheel_slip;
         CHECK(periods_to_name(0.4F) == 5000);
     }
+    SECTION("each braking begins anew") {
+        for (int i = 0; i < 1000; ++i) REQUIRE(at(0.4F).empty());
+        w.previous.braking = false;
+        REQUIRE(at(0.4F).empty());
+        w.previous.braking = true;
+        CHECK(periods_to_name(0.4F) == Approx(1635).margin(30));  // the lowest slip of late begins at none
+    }
     SECTION("without pressure neither more nor less") {
         const auto had = [&](int periods) {
             for (int i = 0; i < periods; ++i) REQUIRE(at(0.4F).empty());
