@@ -196,7 +196,8 @@ inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver,
     constexpr float kMax_s = 0.1F;
     const Estimate& e = estimator.estimate();
     if (!holds_slip(maneuver.law) || !previous.braking) {
-        excess_slip_s_ = held_slip_ = 0.0F;
+        held_slip_ = 0.0F;
+        excess_slip_s_ = 0.0F;
     } else if (estimator.uncorrected_pressure_Pa() >= config_.hardly_braked_Pa) {
         held_slip_ = smaller(e.slip, held_slip_ + (e.slip - held_slip_) * period_s_ / config_.stuck_s);
         excess_slip_s_ = larger(excess_slip_s_ + (held_slip_ - previous.slip_reference - kHeldWithin) * period_s_, 0.0F);
