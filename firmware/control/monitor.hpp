@@ -26,7 +26,7 @@
 ///   where the model has none, armed or with load on the wheel; or the learnt offset of the valve is more than the law may make up for
 ///
 /// And:
-/// - speeds_disagree: slip above the slip law's reference, integrated over time
+/// - speeds_disagree: slip, at its lowest of late, above the slip law's reference, integrated over time
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
 /// - overrun: more than `overruns` missed periods in quick succession; ten good periods offset a missed one
