@@ -107,7 +107,8 @@ class CellCampaign {
         const Time now = clock_.now();
         judge_.check({.now = now,
                       .loop_lives = bridge_ && now >= bridge_away_ && now >= loop_away_,
-                      .plc_answers = line_.reachable && !frozen_,
+                      .plc_reachable = line_.reachable,
+                      .plc_frozen = frozen_,
                       .controller_lives = controller_.runs() && now >= controller_away_,
                       .open = open_,
                       .sequencer = bridge_ ? bridge_->sequencer() : nullptr});

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "firmware/host/seconds.hpp"
 #include "plant_sim/simulation/fault_timeline.hpp"
 #include "plant_sim/simulation/faulty_bus.hpp"
@@ -39,14 +41,17 @@ void CellJudge::check(const CellNow& cell) {
     const Time now = cell.now;
     if (cell.open != open_) opened_ = now;
     open_ = cell.open;
-    if (cell.loop_lives && cell.plc_answers) bridge_seen_ = now;
+    // What was written while its registers stood still, a PLC sees afterwards.
+    written_ = written_ || (cell.loop_lives && cell.plc_reachable);
+    if (!cell.plc_frozen && std::exchange(written_, false)) bridge_seen_ = now;
     // A loop that was stopped notices it at its next step.
-    if (cell.plc_answers || !cell.loop_lives) plc_answered_ = now;
+    if ((cell.plc_reachable && !cell.plc_frozen) || !cell.loop_lives) plc_answered_ = now;
     if (cell.controller_lives || !cell.loop_lives) controller_lived_ = now;
     if (cell.sequencer != nullptr && cell.sequencer->phase() >= Phase::spin_up && cell.sequencer->phase() <= Phase::standstill) {
         const Time step = 2 * rig::bridge::Node::kStep + setup_.bridge.map.link.poll;
+        // A controller's last frame may come late.
         if (now - plc_answered_ > duration(setup_.limits.registers_s) + step) violated_("the bridge goes on without a PLC");
-        if (now - controller_lived_ > duration(setup_.limits.controller_s) + step) violated_("the bridge goes on without a controller");
+        if (now - controller_lived_ > duration(setup_.limits.controller_s) + step + FaultyBus::kMaxLate) violated_("the bridge goes on without a controller");
     }
     machines(cell);
     if (rig_.rig().wheel().v_mps > top_mps_ + 0.1) violated_(fmt::format("the flywheel runs at {:.2f} m/s", rig_.rig().wheel().v_mps));

@@ -41,7 +41,8 @@ class Permission {
 struct CellNow {
     antiskid::control::Time now{};
     bool loop_lives = false;  ///< the bridge's main loop runs
-    bool plc_answers = false;
+    bool plc_reachable = false;
+    bool plc_frozen = false;
     bool controller_lives = false;
     unsigned open = 0;                          ///< open interlocks, as bits
     const rig::Sequencer* sequencer = nullptr;  ///< null: no maneuver is running
@@ -76,6 +77,7 @@ class CellJudge {
     double top_mps_;
     std::uint32_t touchdowns_ = 0;
     unsigned open_ = 0;
+    bool written_ = false;
     antiskid::control::Time opened_{}, bridge_seen_{}, plc_answered_{}, controller_lived_{};
 };
 

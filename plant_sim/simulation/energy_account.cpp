@@ -1,6 +1,7 @@
 #include "plant_sim/simulation/energy_account.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -68,8 +69,9 @@ std::vector<std::string> EnergyAccount::check(std::span<const LedgerRow> rows) c
         const bool damaged = warned(row->summary.warnings, "log_damaged");
         if (row->counted_J > taken_J + off_J || (!damaged && row->counted_J + unknown_J < sure_J - off_J))
             wrong.push_back(
-                fmt::format("maneuver {}, attempt {}: the ledger has {:.0f} J of it, {:.0f} J are named as unknown, and the brake took {:.0f} J",
-                            row->attempt.number, row->attempt.attempt, row->counted_J, unknown_J, taken_J));
+                fmt::format("maneuver {}, attempt {}: the ledger has {:.0f} J of it, {:.0f} J are named as unknown, and the brake took {:.0f} J; {}",
+                            row->attempt.number, row->attempt.attempt, row->counted_J, unknown_J, taken_J,
+                            row->summary.warnings.empty() ? "no warnings" : fmt::format("warnings {}", fmt::join(row->summary.warnings, "; "))));
     }
     return wrong;
 }

@@ -1,6 +1,7 @@
 #include "rig_bridge/record/ledger_database.hpp"
 
 #include <array>
+#include <cstring>
 #include <limits>
 
 #include "firmware/host/settings/error.hpp"
@@ -9,6 +10,10 @@
 namespace rig::record {
 
 namespace {
+
+std::filesystem::path directory_of(const std::filesystem::path& path) {
+    return path.has_parent_path() ? path.parent_path() : ".";
+}
 
 constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
 
@@ -206,6 +211,9 @@ LedgerDatabase::LedgerDatabase(const std::filesystem::path& path, Access access,
         run("PRAGMA query_only = 1");
         return;
     }
+    // What is read here is believed. Its commit may have lacked only the sync of the journal's removal, without which a power cut undoes it.
+    if (options.durable)
+        if (const int error = options.storage->sync_directory(directory_of(path)); error != 0) throw LedgerError(path_ + ": " + std::strerror(error));
     run(options.durable ? "PRAGMA synchronous = EXTRA" : "PRAGMA synchronous = OFF");
     run("PRAGMA foreign_keys = 1");
 }
