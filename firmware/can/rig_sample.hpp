@@ -29,6 +29,8 @@ struct LoadCellSample {
     float vertical_N = 0.0F;
     float longitudinal_N = 0.0F;
     float brake_torque_Nm = 0.0F;
+
+    [[nodiscard]] bool operator==(const LoadCellSample&) const = default;
 };
 
 /// Telemetry of the rig bridge; no input of the controller.

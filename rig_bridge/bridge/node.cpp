@@ -72,8 +72,17 @@ void Node::send(std::int64_t number) {
     if (command_waits(due)) (void)bus_.send(port_.maneuver(sample.maneuver));
     sent_phase_ = moment_.outputs.phase;
     for (const Frame& frame : due) (void)bus_.send(frame);
-    if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0 && load_cells_fresh(moment_.plc, limits_))
-        (void)bus_.send(port_.load_cells(load_cells(moment_.plc.values)));
+    if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0) send_load_cells();
+}
+
+/// Only new readings: those of a PLC that stands still would count as measured until it is noticed.
+void Node::send_load_cells() {
+    const antiskid::can::LoadCellSample reading = load_cells(moment_.plc.values);
+    const double watchdog = at(moment_.plc.values, Measured::plc_watchdog);
+    if (!load_cells_fresh(moment_.plc, limits_) || (reading == sent_reading_ && watchdog == sent_watchdog_)) return;
+    sent_reading_ = reading;
+    sent_watchdog_ = watchdog;
+    (void)bus_.send(port_.load_cells(reading));
 }
 
 }  // namespace rig::bridge

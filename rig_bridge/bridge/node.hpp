@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "firmware/can/bus.hpp"
@@ -46,6 +47,7 @@ class Node {
 
   private:
     void send(std::int64_t number);
+    void send_load_cells();
     [[nodiscard]] bool command_waits(std::span<const antiskid::can::Frame> due) const;
     [[nodiscard]] bool nothing_on() const;
 
@@ -62,6 +64,8 @@ class Node {
     std::uint64_t steps_ = 0;
     std::uint64_t load_cell_steps_ = 1;
     std::uint64_t foreign_commands_ = 0;  // at the last step
+    std::optional<antiskid::can::LoadCellSample> sent_reading_;
+    double sent_watchdog_ = 0.0;
 };
 
 }  // namespace rig::bridge

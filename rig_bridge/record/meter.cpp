@@ -20,6 +20,10 @@ constexpr std::uint8_t kStandstill = 5;
 /// Longer at brake-on, where the speed is nearly constant and has the greatest effect.
 constexpr double kWindow_s = 0.01;
 constexpr double kBrakeOnWindow_s = 0.03;
+/// After a gap, until readings are in order again and the windows of both speeds lie after it.
+constexpr double kSettled_s = 0.06;
+/// A released wheel on the rim is faster, of its speed, than this.
+constexpr double kOnRim = 0.9;
 /// After an abort the brake releases; the energy that it takes meanwhile counts, too. The measurement lasts at least until the windows of all speeds
 /// are after the abort.
 constexpr double kMinRelease_s = 0.06, kMaxRelease_s = 0.5;
@@ -167,6 +171,7 @@ void Meter::start(const MeterSample& sample) {
     sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
     work_balance_ = WorkBalance(sample.time_s);
     knot_ = knot_at(sample);
+    span_ = span_at(sample.time_s);
     hole_ = false;
     sliding_pressure_Pas_ = sliding_way_m_ = 0.0;
     peak_temperature_C_ = sample.brake_temperature_C;
@@ -187,25 +192,46 @@ Work Meter::by_cells(const MeterSample& sample) const {
             .friction_way_m = load > 0.0 ? force / load * k.sliding_m : 0.0};
 }
 
-/// Integrates the equations of motion of flywheel and wheel, with the last known load.
-Work Meter::by_speeds(const MeterSample& sample) {
+/// Integrates the equations of motion of flywheel and wheel, with the last known load. After a gap the slip of the distances counted in it holds
+/// for all of it; it ends when the windows of both speeds lie after it. Until both shafts are heard again the wheel keeps its last slip.
+Work Meter::by_speeds(const MeterSample& sample, bool both_reported) {
     const double v = flywheel_speed_, omega = wheel_.speed();
     const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
     const double radius = parameters_.wheel_radius_m - load / parameters_.wheel_stiffness_Npm;
-    const double rim_Ns = parameters_.flywheel_mass_kg * (last_flywheel_mps_ - v);
-    const double wheel_Nms = parameters_.wheel_inertia_kgm2 * (last_wheel_radps_ - omega);
-    const double mean_mps = 0.5 * (last_flywheel_mps_ + v), mean_radps = 0.5 * (last_wheel_radps_ + omega);
-    // Across a gap the slip is that of the counted distances. A wheel without readings keeps its last slip.
-    const bool counted = knot_.hole && knot_.angle > 0.0 && knot_.metres > 0.0;
-    if (hears(wheel_, sample.time_s))
-        rolling_ = counted ? radius * knot_.angle / knot_.metres : mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
+    Span& span = span_;
+    span.metres += flywheel_.way() - last_flywheel_way_;
+    span.angle += wheel_.way() - last_wheel_way_;
+    const double mean_mps = 0.5 * (span.flywheel_mps + v), mean_radps = 0.5 * (span.wheel_radps + omega);
+    if (sample.time_s - span.reported_s > kBrakeOnWindow_s) {
+        span.gap = true;
+        span.back_s = sample.time_s;
+    }
+    if (both_reported) {
+        // After an abort the wheel leaves the rim: what it turned in the gap is not its slip.
+        const bool aborted = sample.phase != kBraking && sample.phase != kStandstill;
+        if (!span.gap)
+            rolling_ = mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
+        else if (aborted && radius * omega < kOnRim * v)
+            rolling_ = kBrakeShare;
+        else if (span.angle > 0.0 && span.metres > 0.0)
+            rolling_ = radius * span.angle / span.metres;
+        span.reported_s = sample.time_s;
+    }
+    const double rim_Ns = parameters_.flywheel_mass_kg * (span.flywheel_mps - v);
+    const double wheel_Nms = parameters_.wheel_inertia_kgm2 * (span.wheel_radps - omega);
     const double rim_J = rim_Ns * mean_mps;
     const double torque_Nms = radius * rim_Ns + wheel_Nms;
-    return {.brake_J = rolling_ * rim_J + wheel_Nms * mean_radps,
-            .tyre_J = (1.0 - rolling_) * rim_J,
-            .torque_Nms = torque_Nms,
-            .sliding_torque_Nms = sliding() ? torque_Nms : 0.0,
-            .friction_way_m = !dropped_out_ && load > 0.0 ? rim_J / load : 0.0};
+    Work step{.brake_J = rolling_ * rim_J + wheel_Nms * mean_radps - span.given.brake_J,
+              .tyre_J = (1.0 - rolling_) * rim_J - span.given.tyre_J,
+              .torque_Nms = torque_Nms - span.given.torque_Nms};
+    if (sliding()) step.sliding_torque_Nms = step.torque_Nms;
+    if (!dropped_out_ && load > 0.0)
+        step.friction_way_m = parameters_.flywheel_mass_kg * 0.5 * (last_flywheel_mps_ * last_flywheel_mps_ - v * v) / load;
+    if (both_reported && (!span.gap || sample.time_s - span.back_s > kSettled_s))
+        span_ = span_at(sample.time_s);
+    else
+        span.given += step;
+    return step;
 }
 
 void Meter::integrate(const MeterSample& sample) {
@@ -217,14 +243,13 @@ void Meter::integrate(const MeterSample& sample) {
     const CellReading reading = !sample.load_cells_reported || !moves ? CellReading::none : repeated ? CellReading::repeated : CellReading::fresh;
     const bool silent = work_balance_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
-    knot_.hole = knot_.hole || !moves || h > kBrakeOnWindow_s;
     const double metres = flywheel_.way() - last_flywheel_way_;
     knot_.time_s += h;
     knot_.angle += wheel_.way() - last_wheel_way_;
     knot_.metres += metres;
     if (sliding()) knot_.sliding_s += h;
     if (!dropped_out_) knot_.sliding_m += metres;
-    if (work_balance_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample))) knot_ = knot_at(sample);
+    if (work_balance_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample, moves && sample.wheel.reported && sample.flywheel.reported))) knot_ = knot_at(sample);
     sums_.time_s = sample.time_s;
     sums_.torque_Nms = work_balance_.work().torque_Nms;
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;

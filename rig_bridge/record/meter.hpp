@@ -163,7 +163,7 @@ class Meter {
     /// Not below drop-out, nor where the pressure is not known: friction counts.
     [[nodiscard]] bool sliding() const { return !dropped_out_ && !hole_; }
     [[nodiscard]] Work by_cells(const MeterSample& sample) const;  ///< since knot_
-    [[nodiscard]] Work by_speeds(const MeterSample& sample);
+    [[nodiscard]] Work by_speeds(const MeterSample& sample, bool both_reported);
     [[nodiscard]] bool hears(const Shaft& shaft, double now_s) const { return now_s - shaft.heard_s() <= parameters_.sensor_late_s; }
     /// From brake-on down to these speeds.
     [[nodiscard]] double kinetic_lost_J(double v_mps, double omega_radps) const;
@@ -194,12 +194,24 @@ class Meter {
         double torque_Nm = 0.0, vertical_N = 0.0, longitudinal_N = 0.0;
         double time_s = 0.0, sliding_s = 0.0;
         double angle = 0.0, metres = 0.0, sliding_m = 0.0;
-        bool hole = false;  // nothing, or not both shafts, was heard for a while
     };
     [[nodiscard]] static Knot knot_at(const MeterSample& sample) {
         return {.torque_Nm = sample.brake_torque_Nm, .vertical_N = sample.vertical_N, .longitudinal_N = sample.longitudinal_N};
     }
     Knot knot_;
+    /// Since both shafts and their speeds were last known: the step before, unless there was a gap.
+    struct Span {
+        double flywheel_mps = 0.0, wheel_radps = 0.0;  // at its beginning
+        double angle = 0.0, metres = 0.0;
+        double reported_s = 0.0;  // newest readings of both
+        bool gap = false;
+        double back_s = 0.0;  // readings came again
+        Work given{};         // the steps so far
+    };
+    [[nodiscard]] Span span_at(double time_s) const {
+        return {.flywheel_mps = flywheel_speed_, .wheel_radps = wheel_.speed(), .reported_s = time_s};
+    }
+    Span span_;
     bool hole_ = false;                                        // in the record, or speeds are not yet known after one
     double sliding_pressure_Pas_ = 0.0, sliding_way_m_ = 0.0;  // down to drop-out
     double ended_s_ = 0.0;
