@@ -128,7 +128,7 @@ void Meter::feed(const MeterSample& sample) {
     wheel_.update(sample.wheel, sample.time_s, 1.0);
     flywheel_.update(sample.flywheel, sample.time_s, parameters_.flywheel_radius_m);
     flywheel_speed_ = flywheel_.speed();
-    if (!hears(flywheel_, sample.time_s)) flywheel_since_s_ = sample.time_s;
+    if (!hears(flywheel_, sample.time_s) || sample.time_s - last_.time_s > kBrakeOnWindow_s) flywheel_since_s_ = sample.time_s;
     const bool at_brake = sample.phase == kBraking || sample.phase == kStandstill;
     if (begins && !unseen) {
         start(sample);
