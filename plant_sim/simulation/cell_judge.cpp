@@ -51,7 +51,8 @@ void CellJudge::check(const CellNow& cell) {
         const Time step = 2 * rig::bridge::Node::kStep + setup_.bridge.map.link.poll;
         // A controller's last frame may come late.
         if (now - plc_answered_ > duration(setup_.limits.registers_s) + step) violated_("the bridge goes on without a PLC");
-        if (now - controller_lived_ > duration(setup_.limits.controller_s) + step + FaultyBus::kMaxLate) violated_("the bridge goes on without a controller");
+        if (now - controller_lived_ > duration(setup_.limits.controller_s) + step + FaultyBus::kMaxLate)
+            violated_("the bridge goes on without a controller");
     }
     machines(cell);
     if (rig_.rig().wheel().v_mps > top_mps_ + 0.1) violated_(fmt::format("the flywheel runs at {:.2f} m/s", rig_.rig().wheel().v_mps));

@@ -25,10 +25,6 @@ ShaftSample shaft(const antiskid::control::SpeedInput& input, const antiskid::ca
 
 }  // namespace
 
-std::string in_no_record(double max_J) {
-    return fmt::format("and the brake may have taken up to {:.3g} MJ that are in no record", max_J * 1e-6);
-}
-
 BusMeter::BusMeter(const antiskid::can::Layout& layout, const MeterParameters& parameters)
     : layout_(layout), samples_(layout, parameters.period_s), meter_(parameters) {}
 

@@ -16,9 +16,6 @@
 
 namespace rig::record {
 
-/// End of the warnings that bound the brake energy that the figures lack.
-[[nodiscard]] std::string in_no_record(double max_J);
-
 class BusMeter {
   public:
     /// `layout` must outlive the meter.

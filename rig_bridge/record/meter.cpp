@@ -102,6 +102,10 @@ double Meter::Shaft::rest_way() const {
     return edges_ ? track_.way_at_edge() + track_.rest().way : way_;
 }
 
+std::string in_no_record(double max_J) {
+    return fmt::format("and the brake may have taken up to {:.3g} MJ that are in no record", max_J * 1e-6);
+}
+
 Meter::Meter(const MeterParameters& parameters)
     : parameters_(parameters),
       wheel_(kTurn_rad / parameters.wheel_teeth, limits(parameters.wheel_teeth, parameters.wheel_max_radps, parameters.sensor_late_s)),
@@ -172,6 +176,7 @@ void Meter::start(const MeterSample& sample) {
     work_balance_ = WorkBalance(sample.time_s);
     knot_ = knot_at(sample);
     span_ = span_at(sample.time_s);
+    unknown_J_ = 0.0;
     hole_ = false;
     sliding_pressure_Pas_ = sliding_way_m_ = 0.0;
     peak_temperature_C_ = sample.brake_temperature_C;
@@ -207,12 +212,8 @@ Work Meter::by_speeds(const MeterSample& sample, bool both_reported) {
         span.back_s = sample.time_s;
     }
     if (both_reported) {
-        // After an abort the wheel leaves the rim: what it turned in the gap is not its slip.
-        const bool aborted = sample.phase != kBraking && sample.phase != kStandstill;
         if (!span.gap)
             rolling_ = mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
-        else if (aborted && radius * omega < kOnRim * v)
-            rolling_ = kBrakeShare;
         else if (span.angle > 0.0 && span.metres > 0.0)
             rolling_ = radius * span.angle / span.metres;
         span.reported_s = sample.time_s;
@@ -221,16 +222,21 @@ Work Meter::by_speeds(const MeterSample& sample, bool both_reported) {
     const double wheel_Nms = parameters_.wheel_inertia_kgm2 * (span.wheel_radps - omega);
     const double rim_J = rim_Ns * mean_mps;
     const double torque_Nms = radius * rim_Ns + wheel_Nms;
+    // After an abort the wheel leaves the rim: what it turned in the gap is not all of its slip.
+    const bool aborted = sample.phase != kBraking && sample.phase != kStandstill;
+    span.unknown_J = span.gap && aborted && radius * omega < kOnRim * v ? std::max((1.0 - rolling_) * rim_J, 0.0) : 0.0;
     Work step{.brake_J = rolling_ * rim_J + wheel_Nms * mean_radps - span.given.brake_J,
               .tyre_J = (1.0 - rolling_) * rim_J - span.given.tyre_J,
               .torque_Nms = torque_Nms - span.given.torque_Nms};
     if (sliding()) step.sliding_torque_Nms = step.torque_Nms;
     if (!dropped_out_ && load > 0.0)
         step.friction_way_m = parameters_.flywheel_mass_kg * 0.5 * (last_flywheel_mps_ * last_flywheel_mps_ - v * v) / load;
-    if (both_reported && (!span.gap || sample.time_s - span.back_s > kSettled_s))
+    if (both_reported && (!span.gap || sample.time_s - span.back_s > kSettled_s)) {
+        unknown_J_ += span.unknown_J;
         span_ = span_at(sample.time_s);
-    else
+    } else {
         span.given += step;
+    }
     return step;
 }
 
@@ -249,7 +255,8 @@ void Meter::integrate(const MeterSample& sample) {
     knot_.metres += metres;
     if (sliding()) knot_.sliding_s += h;
     if (!dropped_out_) knot_.sliding_m += metres;
-    if (work_balance_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample, moves && sample.wheel.reported && sample.flywheel.reported))) knot_ = knot_at(sample);
+    if (work_balance_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample, moves && sample.wheel.reported && sample.flywheel.reported)))
+        knot_ = knot_at(sample);
     sums_.time_s = sample.time_s;
     sums_.torque_Nms = work_balance_.work().torque_Nms;
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
@@ -310,9 +317,11 @@ std::vector<std::string> Meter::warnings() const {
         if (const std::uint64_t n = shaft->track().restarts(); n != 0) all.push_back(fmt::format("encoder_restarted: {} {}", what, n));
     if (state_ == State::waiting) return all;
     const Figures f = figures();
-    if (const double silent_s = work_balance_.silent_s(); silent_s > 0.0)
+    if (const double silent_s = work_balance_.silent_s(); silent_s > 0.0) {
         all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells or encoders silent for {:.3g} s", kEnergyBySpeeds,
                                   work_balance_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
+        if (const double unknown_J = unknown_J_ + span_.unknown_J; unknown_J > 0.0) all.back() += ", " + in_no_record(unknown_J);
+    }
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
     // A rig that does not measure F_x does not know the tyre's energy.

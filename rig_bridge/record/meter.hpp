@@ -40,6 +40,9 @@ inline constexpr std::string_view kEnergyBySpeeds = "energy_by_speeds";
 /// Warning: the mean friction is impossible for a brake.
 inline constexpr std::string_view kFrictionImplausible = "friction_implausible";
 
+/// End of the warnings that bound the brake energy that the figures lack.
+[[nodiscard]] std::string in_no_record(double max_J);
+
 /// Below this pressure a brake counts as released.
 inline constexpr double kReleased_Pa = 0.2e6;
 
@@ -207,11 +210,11 @@ class Meter {
         bool gap = false;
         double back_s = 0.0;  // readings came again
         Work given{};         // the steps so far
+        double unknown_J = 0.0;
     };
-    [[nodiscard]] Span span_at(double time_s) const {
-        return {.flywheel_mps = flywheel_speed_, .wheel_radps = wheel_.speed(), .reported_s = time_s};
-    }
+    [[nodiscard]] Span span_at(double time_s) const { return {.flywheel_mps = flywheel_speed_, .wheel_radps = wheel_.speed(), .reported_s = time_s}; }
     Span span_;
+    double unknown_J_ = 0.0;                                   // of closed spans: the brake's or the tyre's
     bool hole_ = false;                                        // in the record, or speeds are not yet known after one
     double sliding_pressure_Pas_ = 0.0, sliding_way_m_ = 0.0;  // down to drop-out
     double ended_s_ = 0.0;

@@ -19,9 +19,6 @@ namespace rig::record {
 /// The bridge repeats a reading of the load cells on the bus for this time at most; a PLC may take as long between two counts of its plc_watchdog.
 inline constexpr double kRepeated_s = 0.1;
 
-/// 1 - slip where slip is not known: it is between 0 and 0.24, that of the greatest friction.
-inline constexpr double kBrakeShare = 0.88;
-
 struct Work {
     double brake_J = 0.0;
     double tyre_J = 0.0;

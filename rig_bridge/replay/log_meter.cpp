@@ -49,6 +49,7 @@ std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiski
 /// Adds the energy after the end of the log: the brake's part of the energy lost until the rig was found; the largest possible part of the rest is
 /// reported.
 void add_what_followed(MeteredLog& out, const record::Meter& meter, rig::Phase phase, const std::optional<FoundRig>& found) {
+    constexpr double kBrakeShare = 0.88;  // 1 - slip; slip is between 0 and 0.24, that of the greatest friction
     double max_J = meter.kinetic_energy_J();
     std::string text = fmt::format("ends_in_{}: at {:.1f} m/s", name(phase), meter.speed_mps());
     if (found && found->rim_mps <= meter.speed_mps()) {
@@ -56,7 +57,7 @@ void add_what_followed(MeteredLog& out, const record::Meter& meter, rig::Phase p
         text += fmt::format(", the rim still at {:.1f} m/s when the next bridge came", found->rim_mps);
         // In touchdown the spin-up of the wheel slows the rim.
         if (found->coasts && phase != rig::Phase::touchdown) {
-            const double brake_J = record::kBrakeShare * max_J;
+            const double brake_J = kBrakeShare * max_J;
             out.figures.energy_brake_J += brake_J;
             out.figures.energy_tyre_J += max_J - brake_J;
             out.figures.kinetic_energy_J += max_J;
