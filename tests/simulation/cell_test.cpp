@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,8 +57,6 @@ std::vector<Bug> bugs() {
         wrong("entered before the recording is synced", 325, BridgeMistake::enters_before_it_is_synced),
         wrong("time stamps of a recording follow the wall clock", 12, BridgeMistake::keeps_wall_clock_stamps),
         wrong("time-outs by the wall clock", 124, BridgeMistake::waits_by_wall_clock),
-        bug("a meter that takes a silent encoder for a shaft that stands", 597,
-            [](CellSetup& s) { s.bridge.meter.sensor_late_s = std::numeric_limits<double>::infinity(); }),
         bug("frames without CRC and counter", 102,
             [](CellSetup& s) {
                 for (const antiskid::can::Role role : antiskid::can::kEveryRole) s.bridge.layout[role].protection = {};
