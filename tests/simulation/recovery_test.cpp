@@ -92,6 +92,43 @@ TEST_CASE("what the ledger refused is not in it, and what may be in it is named"
     CHECK(refused);
 }
 
+TEST_CASE("what the next start reads in the ledger outlives a power cut, although the disk refused its last sync", "[BRG-700]") {
+    int in_doubt = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        for (std::uint64_t at = kNameOfJournal; at < kNameOfJournal + 20; ++at) {
+            const auto disk = std::make_shared<SimulatedDisk>(seed);
+            {
+                Ledger ledger("/runs/campaign.sqlite", on(disk));
+                (void)ledger.open_campaign(kCampaign, rig::record::IfChanged::reject);
+                (void)ledger.begin(1, "2026");
+                disk->clear_faults();
+                disk->inject(at, DiskFault::refused);
+                try {
+                    ledger.finish(summary());
+                    continue;
+                } catch (const rig::record::LedgerInDoubt&) {
+                    ++in_doubt;
+                } catch (const rig::record::LedgerError&) {
+                    continue;
+                }
+            }
+            disk->clear_faults();
+            std::int64_t read = 0;
+            {
+                Ledger next("/runs/campaign.sqlite", on(disk));
+                (void)next.open_campaign(kCampaign, rig::record::IfChanged::reject);
+                read = next.finished_count();
+            }
+            CHECK(read == 1);
+            disk->restart();
+            Ledger later("/runs/campaign.sqlite", on(disk));
+            (void)later.open_campaign(kCampaign, rig::record::IfChanged::reject);
+            CHECK(later.finished_count() == read);
+        }
+    }
+    CHECK(in_doubt == 40);
+}
+
 TEST_CASE("what SQLite lets be: the name of its journal refused, and the power cut in the same commit", "[BRG-700]") {
     int damaged = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
