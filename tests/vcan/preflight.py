@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import pty
+import re
 import signal
 import struct
 import subprocess
@@ -102,7 +103,14 @@ def controller(folder):
     verdicts(checks, {"wheel at rest": "pass", "flywheel at rest": "pass", "pressure at rest": "pass", "emergency stop": "pass"})
     check(checks["wheel frames"]["figures"]["accepted"] > 0 and checks["wheel frames"]["figures"]["rejected"] == 0, checks["wheel frames"])
 
-    checks = in_time([*command, "--valve-step"], {"valve step": "pass"})
+    # Its times are those of tests/controller/valve_step_test.cpp, a guest that is held up does not keep them: a valve of 2 Hz may take 0.6 s.
+    patient = folder / "patient.toml"
+    text = pathlib.Path("config/controller.toml").read_text()
+    for key, value in {"natural_frequency_Hz": "2.0", "sensor_max_age_ms": "500.0"}.items():
+        text, count = re.subn(rf"(?m)^{key} = [\d.]+", f"{key} = {value}", text)
+        check(count == 1, f"{key} in controller.toml")
+    patient.write_text(text)
+    checks = in_time([*command, "--controller", str(patient), "--valve-step"], {"valve step": "pass"})
     check(0.75 < checks["valve step"]["figures"]["pressure_MPa"] < 1.25, checks["valve step"])
     rig.end()
 
