@@ -18,26 +18,33 @@ double value_of(double number) {
     return number;
 }
 /// mu and its slope with their derivatives by the slip.
-void friction_at(const rig::FrictionLaw& law, double slip, double& mu, double& mu_1) {
-    const rig::Friction f = rig::friction(law, slip);
+void friction_at(const rig::TyreCurve& curve, double slip, double& mu, double& mu_1) {
+    const rig::Friction f = rig::friction(curve, slip);
     mu = f.mu;
     mu_1 = f.mu_1;
+}
+/// Under a locked rim the belt oscillates at slips where eq. (4) is negative; friction() returns its magnitude, which increases again. With the other
+/// sign here the method has at most order two and needs a hundred times as many steps.
+double slope_of_magnitude(const rig::FrictionLaw& law, double slip, double mu_1) {
+    return law.c3 * std::abs(slip) > law.c1 ? -mu_1 : mu_1;
+}
+double slope_of_magnitude(const rig::MagicFormula& /*law*/, double /*slip*/, double mu_1) {
+    return mu_1;
 }
 template <typename Derivatives>
 double value_of(const Eigen::AutoDiffScalar<Derivatives>& number) {
     return number.value();
 }
 template <typename Derivatives>
-void friction_at(const rig::FrictionLaw& law, const Eigen::AutoDiffScalar<Derivatives>& slip, Eigen::AutoDiffScalar<Derivatives>& mu,
+void friction_at(const rig::TyreCurve& curve, const Eigen::AutoDiffScalar<Derivatives>& slip, Eigen::AutoDiffScalar<Derivatives>& mu,
                  Eigen::AutoDiffScalar<Derivatives>& mu_1) {
-    const rig::Friction f = rig::friction(law, slip.value());
-    // mu_1 = c1 c2 exp(-c2 |lambda|) - c3: its own slope is -c2 (mu_1 + c3), odd in lambda.
-    const double mu_2 = std::copysign(law.c2 * (f.mu_1 + law.c3), -slip.value());
-    // Under a locked rim the belt oscillates at slips where eq. (4) is negative; friction() returns its magnitude, which increases again. With the
-    // other sign here the method has at most order two and needs a hundred times as many steps.
-    const double slope = law.c3 * std::abs(slip.value()) > law.c1 ? -f.mu_1 : f.mu_1;
-    mu = {f.mu, Derivatives(slope * slip.derivatives())};
-    mu_1 = {f.mu_1, Derivatives(mu_2 * slip.derivatives())};
+    std::visit(
+        [&](const auto& law) {
+            const rig::Friction f = rig::friction(law, slip.value());
+            mu = {f.mu, Derivatives(slope_of_magnitude(law, slip.value(), f.mu_1) * slip.derivatives())};
+            mu_1 = {f.mu_1, Derivatives(f.mu_2 * slip.derivatives())};
+        },
+        curve);
 }
 
 enum : int { kSpeed, kAxle, kLeg, kRim, kTwist, kBelt, kSlip, kParts };
@@ -222,7 +229,7 @@ class Equations {
 
 }  // namespace
 
-CompliantWheel::CompliantWheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::FrictionLaw& tyre, double tolerance)
+CompliantWheel::CompliantWheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::TyreCurve& tyre, double tolerance)
     : law_{.ring = parameters.compliance.ring.belt_share > 0.0,
            .relaxes = parameters.compliance.relaxation.length_m > 0.0,
            .leg = parameters.compliance.leg.mass_kg > 0.0,
@@ -256,13 +263,13 @@ CompliantWheel::CompliantWheel(const rig::WheelParameters& parameters, const Bra
     set_tyre(tyre);
 }
 
-void CompliantWheel::set_tyre(const rig::FrictionLaw& tyre) {
+void CompliantWheel::set_tyre(const rig::TyreCurve& tyre) {
     law_.tyre = tyre;
     law_.slope_at_rest = rig::friction(tyre, 0.0).mu_1;
 }
 
 void CompliantWheel::set_surface(const rig::Surface& surface, bool spun_up) {
-    set_tyre(surface.law());
+    set_tyre(surface.curve());
     law_.wet = surface.wet;
     law_.per_peak = 1.0 / rig::peak(surface).mu;
     law_.spun_up = spun_up;

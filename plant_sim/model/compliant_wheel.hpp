@@ -1,4 +1,5 @@
-/// The wheel of wheel.hpp on a compliant tyre and leg (compliance.hpp), or on a runway whose friction depends on speed. Slower than Wheel.
+/// The wheel of wheel.hpp on a compliant tyre and leg (compliance.hpp), or on a runway whose friction depends on speed or is not that of eq. (4).
+/// Slower than Wheel.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@ struct CompliantLaw {
     double rim_kgm2 = 0.0, belt_kgm2 = 0.0, twist_Nmprad = 0.0, twist_Nms = 0.0;
     double free_radius_m = 0.0, stiffness_Npm = 0.0;
     rig::RelaxationParameters relaxation;
-    rig::FrictionLaw tyre;
+    rig::TyreCurve tyre;
     double slope_at_rest = 0.0;       ///< d mu / d slip of `tyre` at slip 0
     std::optional<rig::WetGrip> wet;  ///< scales the curve `tyre` at every speed
     double per_peak = 1.0;            ///< 1 over the peak of `tyre`
@@ -35,7 +36,7 @@ class CompliantWheel {
     static constexpr double kTolerance = 1e-8;
 
     /// Throws std::invalid_argument for negative compliance, a belt with all of the inertia, or a leg with all of the mass.
-    CompliantWheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::FrictionLaw& tyre, double tolerance = kTolerance);
+    CompliantWheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::TyreCurve& tyre, double tolerance = kTolerance);
 
     /// Advances `state` by `h` seconds. Speeds of belt and axle, bend of the leg and slip of the tread are kept in this object. If speeds in `state`
     /// were changed since the last call (drive, drag), the belt and the axle get the same change.
@@ -60,7 +61,7 @@ class CompliantWheel {
     using Parts = std::array<double, kParts>;
 
   private:
-    void set_tyre(const rig::FrictionLaw& tyre);
+    void set_tyre(const rig::TyreCurve& tyre);
 
     CompliantLaw law_;
     double tolerance_;

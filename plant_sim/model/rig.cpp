@@ -17,8 +17,8 @@ Rig::Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed
       random_(seed),
       step_s_(step_s) {
     state_.v_mps = parameters.touchdown_mps > 0.0 ? parameters.touchdown_mps : parameters.brake_on_mps;
-    if (parameters.wheel.compliance.any() || parameters.surface.wet || parameters.runway.wet()) {
-        compliant_.emplace(parameters.wheel, dynamics_.law().brake, parameters.surface.law());
+    if (parameters.wheel.compliance.any() || !parameters.surface.plain() || !parameters.runway.plain()) {
+        compliant_.emplace(parameters.wheel, dynamics_.law().brake, parameters.surface.curve());
         compliant_->set_surface(parameters.surface, spun_up_);
         compliant_->settle(state_);
     }

@@ -136,7 +136,7 @@ class Rig {
 
     rig::RigParameters parameters_;
     Wheel dynamics_;
-    std::optional<CompliantWheel> compliant_;  // used instead of dynamics_ for compliant parts, and where friction depends on speed
+    std::optional<CompliantWheel> compliant_;  // used instead of dynamics_ for compliant parts, and where friction is not eq. (4)
     Play play_;
     Valve valve_;
     Encoder wheel_encoder_;

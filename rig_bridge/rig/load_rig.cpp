@@ -22,6 +22,16 @@ using settings::Table;
 constexpr std::array<std::string_view, 3> kFrictionClasses{"light", "medium", "heavy"};
 
 Surface surface(const Table& t) {
+    if (t.has("magic_formula")) {
+        for (const char* key : {"c1", "c2", "c3"})
+            if (t.has(key)) t.fail(key, "stands beside 'magic_formula'; expected c1, c2 and c3, or magic_formula = { B, C, D, E }");
+        const Table m = t.table("magic_formula");
+        return {.name = t.name(),
+                .magic = MagicFormula{.B = m.number("B", {.min = 0.5, .max = 1000.0}),
+                                      .C = m.number("C", {.min = 1.0, .max = 1.99}),
+                                      .D = m.number("D", {.min = 1e-3, .max = 3.0}),
+                                      .E = m.number("E", {.min = -10.0, .max = 1.0})}};
+    }
     return {.name = t.name(),
             .c1 = t.number("c1", {.min = 1e-3, .max = 3.0}),
             .c2 = t.number("c2", {.min = 1.0, .max = 1000.0}),

@@ -34,7 +34,8 @@ Surface wet(const Table& t, const std::vector<Surface>& surfaces) {
     const double peak_slip = t.find_number("peak_slip", {.min = 0.02, .max = 0.5}).value_or(own_slip);
     surface.c2 *= own_slip / peak_slip;
     surface.c3 *= own_slip / peak_slip;
-    if (surface.c3 >= surface.c1)
+    if (surface.magic) surface.magic->B *= own_slip / peak_slip;
+    if (!surface.magic && surface.c3 >= surface.c1)
         t.fail("peak_slip", "leaves a locked wheel no friction on the curve of '" + surface.name + "'; expected a later peak");
     // EASA AMC 25.1591: friction to be assumed in standing water above the aquaplaning speed.
     constexpr double kAfloat = 0.05;

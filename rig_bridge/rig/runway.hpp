@@ -19,9 +19,9 @@ struct Runway {
     std::vector<Patch> patches;   ///< `from_m` strictly increasing; empty: one surface all along
     bool from_touchdown = false;  ///< distances count from the last touchdown, or start of rolling; otherwise from where the rig began
 
-    /// Whether friction depends on speed anywhere.
-    [[nodiscard]] bool wet() const {
-        return std::any_of(patches.begin(), patches.end(), [](const Patch& patch) { return patch.surface.wet.has_value(); });
+    /// Whether friction is eq. (4) everywhere, see Surface::plain().
+    [[nodiscard]] bool plain() const {
+        return std::all_of(patches.begin(), patches.end(), [](const Patch& patch) { return patch.surface.plain(); });
     }
     /// Number of patches that begin at or before a distance.
     [[nodiscard]] std::size_t begun(double distance_m) const {

@@ -49,11 +49,14 @@ double flooded_grip(double v_mps) {
     return (left * wet + (1.0 - left) * 0.05) / (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * best)) - kTyre.c3 * best);
 }
 
+constexpr rig::MagicFormula kMagic{.B = 7.0, .C = 1.7, .D = 0.9, .E = -0.6};
+
 /// Written from the definitions of compliance.hpp, not from the code: forces first, then Newton.
 struct Reference {
     rig::Compliance c;
     bool flooded = false;
     double pressure_share = 1.0;
+    bool magic = false;
 
     void operator()(const Vector& y, Vector& dy, double t) const {
         const bool ring = c.ring.belt_share > 0.0, leg = c.leg.mass_kg > 0.0;
@@ -61,7 +64,8 @@ struct Reference {
         const double r = kFree_m - F_z / kStiffness_Npm;
         const double axle = leg ? y[1] : y[0], belt = ring ? y[5] : y[3];
         const double kinematic = 1.0 - belt * r / axle;
-        const auto mu = [](double s) {
+        const auto mu = [this](double s) {
+            if (magic) return kMagic.D * std::sin(kMagic.C * std::atan((1.0 - kMagic.E) * kMagic.B * s + kMagic.E * std::atan(kMagic.B * s)));
             return (s < 0 ? -1.0 : 1.0) * (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * std::abs(s))) - kTyre.c3 * std::abs(s));
         };
         const double slip = c.relaxation.length_m > 0.0 ? y[6] : kinematic;
@@ -80,7 +84,10 @@ struct Reference {
         dy[3] = ring ? -(T_b + S) / J_r : (r * F_x - T_b) / kInertia_kgm2;
         dy[4] = ring ? y[3] - y[5] : 0.0;
         dy[5] = ring ? (S + r * F_x) / J_b : 0.0;
-        const double slope = (kTyre.c1 * kTyre.c2 * std::exp(-kTyre.c2 * std::abs(slip)) - kTyre.c3) / (kTyre.c1 * kTyre.c2 - kTyre.c3);
+        constexpr double d_slip = 1e-5;  // by differences, of which the fifth order is left
+        const double rise = (8.0 * (mu(slip + d_slip) - mu(slip - d_slip)) - (mu(slip + 2 * d_slip) - mu(slip - 2 * d_slip))) / (12.0 * d_slip);
+        const double slope = magic ? rise / (kMagic.B * kMagic.C * kMagic.D)
+                                   : (kTyre.c1 * kTyre.c2 * std::exp(-kTyre.c2 * std::abs(slip)) - kTyre.c3) / (kTyre.c1 * kTyre.c2 - kTyre.c3);
         const double sigma = std::max(c.relaxation.length_m * slope, c.relaxation.floor_m);
         dy[6] = c.relaxation.length_m > 0.0 ? (axle - belt * r - axle * y[6]) / sigma : 0.0;
         dy[7] = T_b * y[3];
@@ -95,6 +102,7 @@ struct Case {
     bool flooded = false;
     double pressure_share = 1.0;  ///< of pressure_Pa(): a flooded road holds less
     int steps = 600;
+    bool magic = false;
 };
 const std::vector<Case> kCases{{"ring, soft", {.ring = {0.45, 50.0, 0.03}, .relaxation = {}, .leg = {}}},
                                {"ring, stiff", {.ring = {0.25, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
@@ -111,6 +119,12 @@ const std::vector<Case> kFloodedCases{
     {"ring", {.ring = {0.35, 80.0, 0.06}, .relaxation = {}, .leg = {}}, true, 0.14, 3000},
     {"all at once", {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}}, true, 0.14, 3000}};
 
+const std::vector<Case> kMagicCases{
+    {"static", {}, false, 1.03, 600, true},
+    {"ring", {.ring = {0.35, 80.0, 0.06}, .relaxation = {}, .leg = {}}, false, 1.03, 600, true},
+    {"relaxation", {.ring = {}, .relaxation = {0.3, 0.02}, .leg = {}}, false, 1.03, 600, true},
+    {"all at once", {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}}, false, 1.03, 600, true}};
+
 void check_against_reference(const std::vector<Case>& cases) {
     for (const Case& one : cases) {
         INFO(one.name);
@@ -119,14 +133,14 @@ void check_against_reference(const std::vector<Case>& cases) {
         const double F_z = kWeight_N - kLift * 49.0 * 49.0;
         state.omega_radps = 49.0 / (kFree_m - F_z / kStiffness_Npm);
         state.held = false;
-        plant::CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
+        plant::CompliantWheel mine(wheel(one.compliance), brake(), one.magic ? rig::TyreCurve(kMagic) : rig::TyreCurve(kTyre));
         if (one.flooded) mine.set_surface(kFlooded, true);
         mine.settle(state);
         Vector y{state.v_mps, state.v_mps, 0.0, state.omega_radps, 0.0, state.omega_radps, 0.0, 0.0, 0.0, 0.0};
 
         namespace ode = boost::numeric::odeint;
         const auto stepper = ode::make_controlled(1e-12, 1e-12, ode::runge_kutta_fehlberg78<Vector>());
-        const Reference reference{one.compliance, one.flooded, one.pressure_share};
+        const Reference reference{one.compliance, one.flooded, one.pressure_share, one.magic};
         const auto pressure = [&one](double t) { return one.pressure_share * pressure_Pa(t); };
         double worst = 0.0;
         constexpr double kStep_s = 1e-3;
@@ -156,6 +170,10 @@ TEST_CASE("so does a wheel whose friction depends on speed, on a rigid and on a 
     check_against_reference(kFloodedCases);
 }
 
+TEST_CASE("so does a wheel on the friction of a magic formula, on a rigid and on a compliant tyre", "[RIG-264]") {
+    check_against_reference(kMagicCases);
+}
+
 TEST_CASE("the books close where friction depends on speed, through floating, locks and releases", "[RIG-262]") {
     for (const Case& one : kFloodedCases) {
         INFO(one.name);
@@ -181,28 +199,36 @@ TEST_CASE("the books close where friction depends on speed, through floating, lo
     }
 }
 
-TEST_CASE("the books of a compliant wheel close, through a lock and its release, too", "[RIG-250]") {
-    for (const Case& one : kCases) {
-        INFO(one.name);
-        plant::WheelState state;
-        state.v_mps = 49.0;
-        state.omega_radps = 150.0;
-        state.held = false;
-        plant::CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
-        mine.settle(state);
-        const double before = mine.energy_J(state);
-        bool locked = false;
-        for (int i = 0; i < 2000; ++i) {
-            const double P = i < 500 ? 4e6 : (i < 900 ? 20e6 : 2e6);
-            mine.advance(state, plant::PressureArc::linear(P, P), {kWeight_N, 0.0, kLift}, 1e-3);
-            locked = locked || (state.held && state.omega_radps == 0.0);
-            CHECK(state.omega_radps >= 0.0);
-        }
-        CHECK(locked);
-        CHECK_FALSE(state.held);
-        const double spent = state.energy_brake_J + state.energy_tyre_J + mine.energy_leg_J();
-        CHECK((before - mine.energy_J(state) - spent) / before == Approx(0.0).margin(1e-6));
+namespace {
+void check_books(const Case& one) {
+    INFO(one.name);
+    plant::WheelState state;
+    state.v_mps = 49.0;
+    state.omega_radps = 150.0;
+    state.held = false;
+    plant::CompliantWheel mine(wheel(one.compliance), brake(), one.magic ? rig::TyreCurve(kMagic) : rig::TyreCurve(kTyre));
+    mine.settle(state);
+    const double before = mine.energy_J(state);
+    bool locked = false;
+    for (int i = 0; i < 2000; ++i) {
+        const double P = i < 500 ? 4e6 : (i < 900 ? 20e6 : 2e6);
+        mine.advance(state, plant::PressureArc::linear(P, P), {kWeight_N, 0.0, kLift}, 1e-3);
+        locked = locked || (state.held && state.omega_radps == 0.0);
+        CHECK(state.omega_radps >= 0.0);
     }
+    CHECK(locked);
+    CHECK_FALSE(state.held);
+    const double spent = state.energy_brake_J + state.energy_tyre_J + mine.energy_leg_J();
+    CHECK((before - mine.energy_J(state) - spent) / before == Approx(0.0).margin(1e-6));
+}
+}  // namespace
+
+TEST_CASE("the books of a compliant wheel close, through a lock and its release, too", "[RIG-250]") {
+    for (const Case& one : kCases) check_books(one);
+}
+
+TEST_CASE("they close on the friction of a magic formula", "[RIG-264]") {
+    for (const Case& one : kMagicCases) check_books(one);
 }
 
 TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few steps", "[RIG-250]") {

@@ -166,6 +166,28 @@ TEST_CASE("loader: every key of the controller's files, damaged in every way, is
     }
 }
 
+TEST_CASE("loader: a surface by a magic formula, and mistakes in one", "[RIG-264]") {
+    rig::ManeuverChoice choice;
+    choice.surface = "snow";
+    const auto with = [&](const char* table) {
+        const ConfigCopy config;
+        config.replace("surfaces.toml", "c1 = 0.1946  # [B]\nc2 = 94.129  # [B]\nc3 = 0.0646  # [B]", table);
+        return rig::load_rig(config.path(), choice).rig.surface;
+    };
+    const rig::Surface snow = with("magic_formula = { B = 30.0, C = 1.5, D = 0.19, E = 0.2 }");
+    REQUIRE(snow.magic.has_value());
+    CHECK_FALSE(snow.plain());
+    CHECK(rig::peak(snow).mu == Approx(0.19).epsilon(1e-14));
+    CHECK(rig::friction(snow, 0.02).mu == rig::friction(*snow.magic, 0.02).mu);
+    CHECK(rejection_of([&] { (void)with("magic_formula = { B = 30.0, C = 2.0, D = 0.19, E = 0.2 }"); }).key() == "surfaces.snow.magic_formula.C");
+    CHECK(rejection_of([&] { (void)with("magic_formula = { B = 30.0, C = 1.5, D = 0.19 }"); }).key() == "surfaces.snow.magic_formula.E");
+    CHECK(rejection_of([&] { (void)with("magic_formula = { B = 30.0, C = 1.5, D = 0.19, E = 0.2, H = 0 }"); }).key() ==
+          "surfaces.snow.magic_formula.H");
+    const auto both = rejection_of([&] { (void)with("c1 = 0.2\nmagic_formula = { B = 30.0, C = 1.5, D = 0.19, E = 0.2 }"); });
+    CHECK(both.key() == "surfaces.snow.c1");
+    CHECK_THAT(both.what(), ContainsSubstring("magic_formula"));
+}
+
 TEST_CASE("loader: a missing file is named", "[RIG-090]") {
     for (const std::string file : {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
         const ConfigCopy config;

@@ -77,6 +77,57 @@ TEST_CASE("tyre: a curve without c3 never falls; its peak is at slip 1", "[RIG-0
     CHECK(rig::peak({.name = "none", .c1 = 0.1, .c2 = 1.0, .c3 = 0.2}).slip == 0.0);
 }
 
+TEST_CASE("tyre: the magic formula for slip, its odd extension, derivatives as by differences, its peak", "[RIG-264]") {
+    const std::array<rig::MagicFormula, 5> curves{{{.B = 12.0, .C = 1.65, .D = 1.05, .E = 0.0},
+                                                   {.B = 25.0, .C = 1.8, .D = 0.8, .E = -1.0},
+                                                   {.B = 30.0, .C = 1.3, .D = 0.4, .E = 0.8},
+                                                   {.B = 300.0, .C = 1.5, .D = 0.05, .E = -9.0},
+                                                   {.B = 15.0, .C = 1.0, .D = 0.7, .E = 0.5}}};
+    for (const rig::MagicFormula& m : curves) {
+        CAPTURE(m.B, m.C, m.E);
+        const rig::Surface s{.name = "magic", .magic = m};
+        const rig::Peak peak = rig::peak(s);
+        for (double lambda = 1e-4; lambda < 1.0; lambda *= 1.07) {
+            CAPTURE(lambda);
+            const auto printed = [&](double x) { return m.D * std::sin(m.C * std::atan(m.B * x - m.E * (m.B * x - std::atan(m.B * x)))); };
+            const rig::Friction f = rig::friction(s, lambda);
+            CHECK(f.mu == Approx(printed(lambda)).epsilon(1e-13));
+            const rig::Friction odd = rig::friction(s, -lambda);
+            CHECK(odd.mu == -f.mu);
+            CHECK(odd.mu_1 == f.mu_1);
+            CHECK(odd.mu_2 == -f.mu_2);
+            const double d = 1e-4 * lambda, slope_at_rest = m.B * m.C * m.D;
+            CHECK(f.mu_1 == Approx((printed(lambda + d) - printed(lambda - d)) / (2.0 * d)).epsilon(1e-6).margin(1e-7 * slope_at_rest));
+            const double bend = (rig::friction(s, lambda + d).mu_1 - rig::friction(s, lambda - d).mu_1) / (2.0 * d);
+            CHECK(f.mu_2 == Approx(bend).epsilon(1e-6).margin(1e-7 * slope_at_rest * m.B));
+            CHECK(f.mu <= peak.mu);
+            CHECK(f.mu > 0.0);
+        }
+        CHECK(rig::friction(s, 0.0).mu == 0.0);
+        CHECK(rig::friction(s, 0.0).mu_1 == Approx(m.B * m.C * m.D).epsilon(1e-15));
+        if (m.C > 1.0) {
+            CHECK(peak.mu == Approx(m.D).epsilon(1e-14));
+            CHECK(std::abs(rig::friction(s, peak.slip).mu_1) < 1e-9 * m.B);
+        } else {
+            CHECK(peak.slip == 1.0);  // it never falls
+        }
+    }
+    CHECK(rig::peak(rig::MagicFormula{.B = 6.0, .C = 1.3, .D = 0.4, .E = 0.8}).slip == 1.0);  // its peak is beyond
+    // Without E the peak has a closed form.
+    CHECK(rig::peak(curves[0]).slip == Approx(std::tan(0.5 * 3.14159265358979324 / 1.65) / 12.0).epsilon(1e-14));
+}
+
+TEST_CASE("tyre: eq. (4) has the second derivative that differences have", "[RIG-020]") {
+    for (const rig::Surface& s : surfaces()) {
+        CAPTURE(s.name);
+        for (const double lambda : {-0.3, -0.02, 0.004, 0.05, 0.2, 0.9}) {
+            const double d = 1e-5;
+            const double bend = (rig::friction(s, lambda + d).mu_1 - rig::friction(s, lambda - d).mu_1) / (2.0 * d);
+            CHECK(rig::friction(s, lambda).mu_2 == Approx(bend).epsilon(1e-4).margin(1e-6));
+        }
+    }
+}
+
 TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean", "[RIG-020]") {
     const rig::BrakeGeometry geometry{.piston_area_m2 = 8.04e-4, .pistons = 6, .surfaces = 6, .effective_radius_m = 0.12};
     CHECK(geometry.gain_m3() == Approx(8.04e-4 * 6 * 6 * 0.12).epsilon(1e-15));

@@ -1,6 +1,7 @@
 /// Wet friction worked in fractions from the same coefficients, hydroplaning, the runway's file, and the keys that make a plant hard.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "plant_sim/model/rig.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
@@ -242,12 +243,35 @@ TEST_CASE("every mistake in a runway's file is refused with file, line and key",
     }
 }
 
+TEST_CASE("a patch of a magic formula is that surface from there on, and its wet curve is stretched over slip", "[RIG-264]") {
+    constexpr rig::MagicFormula kMagic{.B = 14.0, .C = 1.7, .D = 0.9, .E = -0.6};
+    const rig::Surface magic{.name = "magic", .magic = kMagic};
+    rig::RigParameters all = rig::load_rig("config", {}).rig, patch = all;
+    all.surface = magic;
+    patch.runway.patches = {{0.0, magic}};
+    plant::Rig a(all, 1e-3, 1), b(patch, 1e-3, 1);
+    for (plant::Rig* one : {&a, &b}) {
+        one->start_rolling();
+        for (int i = 0; i < 600; ++i) one->advance_current(20.0, 20.0);
+    }
+    CHECK(a.wheel().omega_radps == b.wheel().omega_radps);
+    CHECK(a.wheel().v_mps < all.brake_on_mps - 1.0);
+    CHECK(b.forces().mu == Approx(rig::friction(kMagic, b.forces().slip).mu).epsilon(1e-12));
+
+    const TemporaryDirectory directory;
+    std::ofstream(directory / "r.toml")
+        << "[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"smooth\", curve = \"magic\", peak_slip = 0.2}\n";
+    const rig::Runway runway = rig::load_runway(directory / "r.toml", {magic});
+    CHECK(rig::peak(runway.patches.at(0).surface).slip == Approx(0.2).epsilon(1e-12));
+    CHECK(rig::peak(runway.patches.at(0).surface).mu == Approx(0.9).epsilon(1e-12));
+}
+
 TEST_CASE("the shipped runways are read", "[RIG-262]") {
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator("config/runways")) {
         rig::ManeuverChoice choice;
         choice.runway = entry.path();
-        CHECK(rig::load_rig("config", choice).rig.runway.wet());
+        CHECK_FALSE(rig::load_rig("config", choice).rig.runway.plain());
         CHECK(choice.road() == entry.path().stem().string());
         ++count;
     }

@@ -64,6 +64,14 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
                          changed ? Interval{u.brake_gain.low - 1e-9, u.brake_gain.high + 1e-9} : Interval{1, 1}));
             CHECK((d.rig.wheel_encoder.pitch_error > 0.0) == changed);
             CHECK(d.rig.runway.patches.empty() == !(family == Family::patches || all));
+            CHECK(d.rig.surface.magic.has_value() == (family == Family::curves));
+            if (family == Family::curves) {
+                const rig::Peak peak = rig::peak(d.rig.surface);
+                CHECK(within(peak.slip, u.curve_peak_slip));
+                CHECK(peak.mu == Approx(rig::peak(was.surface).mu).epsilon(1e-12));
+                CHECK(within(d.rig.surface.magic->C, u.curve_C));
+                CHECK(within(d.rig.surface.magic->E, u.curve_E));
+            }
             CHECK((d.rig.brake_on_mps != was.brake_on_mps) == (family == Family::speed));
             if (family == Family::speed) CHECK(within(d.rig.brake_on_mps, u.speed_mps));
         }

@@ -34,6 +34,7 @@ FaultPlan on_runway(const FaultPlan& plan, const Case& c, rig::RigParameters rig
     rig::Surface less = rig.surface;
     less.c1 *= grip;
     less.c3 *= grip;
+    if (less.magic) less.magic->D *= grip;
     rig.runway = {.patches = {{from_m, less}}};
     other.surfaces[c.surface].rig = rig;
     return other;

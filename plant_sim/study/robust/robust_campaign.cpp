@@ -177,6 +177,9 @@ RobustPlan load_plan(const RobustPlanOptions& o) {
             if (maneuver == std::string("light")) plan.basis.surfaces.push_back(loaded.rig.surface);
         }
     }
+    for (const rig::Surface& surface : plan.basis.surfaces)
+        if (surface.magic && (asks(kSoonest) || asks(kWary)))
+            throw std::invalid_argument("soonest and wary need surfaces by eq. (4); '" + surface.name + "' is a magic_formula");
     plan.config_hash = settings::hash(files);
     return plan;
 }

@@ -65,14 +65,23 @@ void add_patches(const Basis& basis, rig::RigParameters& rig, wear::Generator& g
     }
 }
 
+/// A magic formula with the peak friction of the landing's surface.
+void change_curve(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
+    const double peak_slip = within_logarithm(u.curve_peak_slip, g);
+    constexpr double kSteep = 1e3;  // puts the peak at a slip far below 1
+    rig::MagicFormula curve{.B = kSteep, .C = within(u.curve_C, g), .D = rig::peak(rig.surface).mu, .E = within(u.curve_E, g)};
+    curve.B *= rig::peak(curve).slip / peak_slip;
+    rig.surface.magic = curve;
+}
+
 }  // namespace
 
 Uncertainty load_uncertainty(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const Table root = doc.root();
     const Table landing = root.table("landing"), ring = root.table("ring"), relaxation = root.table("relaxation"), leg = root.table("leg"),
-                parameters = root.table("parameters"), patches = root.table("patches"), changes = root.table("changes"),
-                brake_on = root.table("brake_on");
+                parameters = root.table("parameters"), patches = root.table("patches"), curves = root.table("curves"),
+                changes = root.table("changes"), brake_on = root.table("brake_on");
     constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0}, kGrid_mps{.min = 6.0, .max = 61.0};
     const Interval delay_ms = interval(parameters, "delay_ms", {.min = 0.0, .max = 100.0});
     Uncertainty u{.slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
@@ -94,6 +103,9 @@ Uncertainty load_uncertainty(const std::filesystem::path& file) {
                   .pitch_error = interval(parameters, "pitch_error", {.min = 0.0, .max = 0.3}),
                   .eccentricity = interval(parameters, "eccentricity", {.min = 0.0, .max = 0.1}),
                   .patch_m = interval(patches, "length_m", {.min = 1.0, .max = 10000.0}),
+                  .curve_peak_slip = interval(curves, "peak_slip", {.min = 0.01, .max = 0.9}),
+                  .curve_C = interval(curves, "C", {.min = 1.1, .max = 1.99}),
+                  .curve_E = interval(curves, "E", {.min = -10.0, .max = 0.95}),
                   .change_mps = changes.numbers("speed_mps", {.range = kGrid_mps}),
                   .brake_on_mps = brake_on.numbers("speed_mps", {.range = kGrid_mps, .strictly_increasing = true})};
     doc.finish();
@@ -115,6 +127,7 @@ Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t num
     if (family == Family::leg || all) add_leg(u, rig, g);
     if (family == Family::parameters || all) change_parameters(u, rig, g);
     if (family == Family::patches || all) add_patches(basis, rig, g);
+    if (family == Family::curves) change_curve(u, rig, g);
     if (family == Family::speed) {
         rig.brake_on_mps = within(u.speed_mps, g);
         rig.touchdown_mps = 0.0;
@@ -138,6 +151,9 @@ std::string describe(const Basis& basis, const Draw& d) {
             d.rig.valve.natural_frequency_radps / 6.283185307179586, d.rig.valve.delay_s * 1e3, d.rig.valve.hysteresis_mA,
             d.rig.load.base_N / plain.load.base_N, d.rig.wheel_encoder.pitch_error * 100.0, d.rig.wheel_encoder.eccentricity * 100.0,
             d.rig.flywheel_encoder.pitch_error * 100.0, d.rig.flywheel_encoder.eccentricity * 100.0);
+    if (const auto& curve = d.rig.surface.magic; curve && !plain.surface.magic)
+        text += fmt::format(", peak at slip {:.3f}, locked {:.2f} of it, C {:.2f} E {:.2f}", rig::peak(*curve).slip,
+                            rig::friction(*curve, 1.0).mu / curve->D, curve->C, curve->E);
     if (d.rig.brake_on_mps != plain.brake_on_mps) text += fmt::format(", {:.1f} m/s", d.rig.brake_on_mps);
     constexpr std::size_t kShown = 4;
     const auto& patches = d.rig.runway.patches;
