@@ -135,12 +135,11 @@ constexpr int kCurveParts = 400;
 
 std::string draw_friction(const identification::FrictionFit& f, const fs::path& directory) {
     auto table = settings::TextTable::csv("slip:.6f|mu:.6f|error:.6f|deviation:.6f");
-    const rig::Surface curve = f.curve();
     Series measured = dots("load cells over encoders", pictures::sky), error = dots("", pictures::sky);
-    Series fitted{.name = "eq. (4), identified", .colour = pictures::vermillion};
+    Series fitted{.name = f.curve.magic ? "magic formula, identified" : "eq. (4), identified", .colour = pictures::vermillion};
     double last = 0.0;
     for (std::size_t k = 0; k < f.slip.size(); ++k) {
-        const double difference = f.mu[k] - rig::friction(curve, f.slip[k]).mu;
+        const double difference = f.mu[k] - rig::friction(f.curve, f.slip[k]).mu;
         table.add(f.slip[k], f.mu[k], difference, f.deviation[k]);
         measured.add(f.slip[k], f.mu[k]);
         error.add(f.slip[k], difference / f.deviation[k]);
@@ -148,10 +147,12 @@ std::string draw_friction(const identification::FrictionFit& f, const fs::path& 
     }
     for (int i = 0; i <= kCurveParts; ++i) {
         const double slip = last * i / kCurveParts;
-        fitted.add(slip, rig::friction(curve, slip).mu);
+        fitted.add(slip, rig::friction(f.curve, slip).mu);
     }
+    std::string title = f.surface;
+    for (const auto& c : f.coefficients) title += fmt::format("{} {} = {:.5g}", &c == f.coefficients.data() ? ":" : ",", c.name, c.estimate.value);
     return keep(table,
-                {.title = fmt::format("{}: c1 = {:.4f}, c2 = {:.3f}, c3 = {:.4f}", f.surface, f.c1.value, f.c2.value, f.c3.value),
+                {.title = title,
                  .charts = {{.y_label = "friction F_x / F_z", .x_label = "slip", .series = {std::move(measured), std::move(fitted)}},
                             {.y_label = "(measured - fitted) / deviation", .x_label = "slip", .series = {std::move(error)}}}},
                 directory, "friction_" + f.surface);

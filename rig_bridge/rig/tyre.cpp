@@ -37,6 +37,13 @@ Peak peak(const MagicFormula& law) {
     return {high, friction(law, high).mu};
 }
 
+MagicFormula magic_formula_with_peak(double slip, double mu, double C, double E) {
+    constexpr double kSteep = 1e3;  // puts the peak at a slip far below 1
+    MagicFormula law{.B = kSteep, .C = C, .D = mu, .E = E};
+    law.B *= peak(law).slip / slip;
+    return law;
+}
+
 Peak peak(const Surface& surface, double v_mps) {
     Peak at = peak(surface);
     if (surface.wet) at.mu = surface.wet->at(v_mps).mu;

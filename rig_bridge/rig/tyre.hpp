@@ -27,6 +27,9 @@ struct MagicFormula {
     double E = 0.0;
 };
 
+/// The one with its peak `mu` at `slip`; C in (1, 2), E < 1.
+MagicFormula magic_formula_with_peak(double slip, double mu, double C, double E);
+
 using TyreCurve = std::variant<FrictionLaw, MagicFormula>;
 
 /// One runway surface. On a wet one the curve over slip is scaled at every speed, so that its peak is that of `wet`.

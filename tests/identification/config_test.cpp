@@ -25,16 +25,10 @@ identification::Identified found(double full_Pa) {
     f.valve.natural_frequency_Hz = about(19.0);
     f.valve.damping = about(0.75);
     f.valve.delay_s = about(5.5e-3);
-    f.surfaces.push_back({.surface = "snow",
-                          .c1 = about(0.2),
-                          .c2 = about(90.0),
-                          .c3 = about(0.06),
-                          .rms = 0.0,
-                          .largest_slip = 0.2,
-                          .lags_s = 0.0,
-                          .slip = {},
-                          .mu = {},
-                          .deviation = {}});
+    identification::FrictionFit snow;
+    snow.surface = "snow";
+    snow.coefficients = {{"c1", about(0.2)}, {"c2", about(90.0)}, {"c3", about(0.06)}};
+    f.surfaces.push_back(snow);
     return f;
 }
 
@@ -57,6 +51,32 @@ TEST_CASE("a written configuration is read by plant and controller, whatever the
     CHECK(loaded.rig.surface.c2 == Approx(90.0));
     CHECK_THROWS_WITH(identification::write_config(found(full_Pa), {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to),
                       ContainsSubstring("exists already"));
+}
+
+TEST_CASE("an identified magic formula takes the place of eq. (4), and the other way round", "[STUDY-100]") {
+    const TemporaryDirectory directory;
+    const identification::ConfigFiles files{.rig = "landing_gear.toml", .controller = "controller.toml"};
+    identification::Identified magic = found(20.7e6);
+    constexpr rig::MagicFormula kMagic{.B = 30.0, .C = 1.5, .D = 0.19, .E = -0.4};
+    magic.surfaces[0].coefficients = {{"B", about(30.0)}, {"C", about(1.5)}, {"D", about(0.19)}, {"E", about(-0.4)}};
+    magic.surfaces[0].curve.magic = kMagic;
+    rig::ManeuverChoice choice;
+    choice.surface = "snow";
+    const std::filesystem::path first(directory / "magic"), second(directory / "eq_4");
+    identification::write_config(magic, files, "config", first);
+    const rig::Surface read = rig::load_rig(first, choice).rig.surface;
+    REQUIRE(read.magic.has_value());
+    CHECK(read.magic->B == kMagic.B);
+    CHECK(read.magic->C == kMagic.C);
+    CHECK(read.magic->D == kMagic.D);
+    CHECK(read.magic->E == kMagic.E);
+    identification::write_config(found(20.7e6), files, first, second);
+    const rig::Surface back = rig::load_rig(second, choice).rig.surface;
+    CHECK_FALSE(back.magic.has_value());
+    CHECK(back.c1 == Approx(0.2));
+    CHECK(back.c2 == Approx(90.0));
+    CHECK(back.c3 == Approx(0.06));
+    CHECK(rig::surface_names(second) == rig::surface_names("config"));
 }
 
 TEST_CASE("a hysteresis and a line that the file assumed do not outlive an identification without them", "[STUDY-100]") {

@@ -1,6 +1,8 @@
 /// How often the truth of the virtual rig lies in the 95 % intervals. A few seeds everywhere; 50 without sanitizers, as identification_fifty.
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -64,15 +66,15 @@ void add_seed(Coverage& coverage, std::uint64_t seed) {
     count(coverage, "k_b", wheel.gain_m3, truth.mean_friction * truth.brake.gain_m3());
 
     const auto road = identification::fit_friction(all, "dry_asphalt");
-    count(coverage, "c1", road.c1, truth.surface.c1);
-    count(coverage, "c2", road.c2, truth.surface.c2);
-    count(coverage, "c3", road.c3, truth.surface.c3);
+    count(coverage, "c1", road.of("c1"), truth.surface.c1);
+    count(coverage, "c2", road.of("c2"), truth.surface.c2);
+    count(coverage, "c3", road.of("c3"), truth.surface.c3);
     // And they say something.
     CHECK(wheel.inertia_kgm2.deviation < 0.003 * truth.wheel.inertia_kgm2);
     CHECK(wheel.friction.deviation < 0.001 * truth.mean_friction);
-    CHECK(road.c1.deviation < 0.01);
-    CHECK(road.c2.deviation < 0.2);
-    CHECK(road.c3.deviation < 0.03);
+    CHECK(road.of("c1").deviation < 0.01);
+    CHECK(road.of("c2").deviation < 0.2);
+    CHECK(road.of("c3").deviation < 0.03);
 }
 
 }  // namespace
@@ -102,6 +104,39 @@ TEST_CASE("the truth lies in the interval of each parameter for 45 of 50 seeds o
         // Found within 0.003 %, k_b scatters by 1.3 times its deviation. Why is not known; docs/engineering/identification.md.
         CHECK(h.hits >= (name == "k_b" ? 40 : 45));
     }
+}
+
+TEST_CASE("a magic formula's curve is found within 1 % of its peak, far beyond the slip that was held, for 50 seeds", "[.fifty][STUDY-100]") {
+    Coverage coverage;
+    double worst = 0.0;
+    constexpr std::array<rig::MagicFormula, 5> kRoads{{{.B = 12.0, .C = 1.6, .D = 1.0, .E = 0.0},
+                                                       {.B = 9.0, .C = 1.75, .D = 0.7, .E = -0.8},
+                                                       {.B = 18.0, .C = 1.4, .D = 0.85, .E = 0.3},
+                                                       {.B = 11.0, .C = 1.65, .D = 0.5, .E = 0.6},
+                                                       {.B = 15.0, .C = 1.5, .D = 0.9, .E = -0.5}}};
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+        const rig::MagicFormula& road = kRoads.at(seed % kRoads.size());
+        std::vector<Run> all;
+        for (const char* name : {"slow_braking", "heavy"}) {
+            endurance::EnduranceSetup s = identification_test::setup(name);
+            s.scenario.rig.rig.surface.magic = road;
+            all.push_back({.recording = identification_test::record(s, 10 * seed + all.size()),
+                           .rig = identification_test::known(s),
+                           .surface = s.scenario.choice.surface,
+                           .friction_class = s.scenario.choice.maneuver});
+        }
+        const auto found = identification::fit_friction(all, "dry_asphalt");
+        for (double slip = 0.005; slip < 0.5; slip += 0.005)
+            worst = std::max(worst, std::abs(rig::friction(found.curve, slip).mu - rig::friction(road, slip).mu) / road.D);
+        count(coverage, "B", found.of("B"), road.B);
+        count(coverage, "C", found.of("C"), road.C);
+        count(coverage, "D", found.of("D"), road.D);
+        count(coverage, "E", found.of("E"), road.E);
+    }
+    // Their intervals are too narrow; docs/engineering/identification.md.
+    for (const auto& [name, h] : coverage) std::printf("%-12s %d of %d, mean error %+.2f deviations\n", name.c_str(), h.hits, h.all, h.sum / h.all);
+    std::printf("largest error of the curve up to slip 0.5: %.4f of its peak\n", worst);
+    CHECK(worst < 0.01);
 }
 
 TEST_CASE("intervals count correlated residuals", "[STUDY-100]") {

@@ -2,11 +2,13 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include "plant_sim/study/identification/friction_fit.hpp"
 #include "plant_sim/study/identification/friction_readings.hpp"
+#include "plant_sim/study/identification/identified.hpp"
 #include "tests/catch.hpp"
 #include "tests/identification/experiments.hpp"
 
@@ -73,9 +75,44 @@ TEST_CASE("a wheel that locks while its road is identified shows no slip between
         max_slip = std::max(max_slip, motion->slip(t - 5e-3, t + 5e-3));
     REQUIRE(max_slip > 0.8);
     const identification::FrictionFit f = identification::fit_friction(runs, runs.front().surface);
-    CAPTURE(f.c2.value, f.c3.value);
-    CHECK(std::abs(f.c2.value - 110.0) < 4.0 * f.c2.deviation);
-    CHECK(std::abs(f.c3.value - 0.6) < 4.0 * f.c3.deviation);
+    CAPTURE(f.of("c2").value, f.of("c3").value);
+    CHECK(std::abs(f.of("c2").value - 110.0) < 4.0 * f.of("c2").deviation);
+    CHECK(std::abs(f.of("c3").value - 0.6) < 4.0 * f.of("c3").deviation);
+}
+
+TEST_CASE("a road of another shape than eq. (4) is identified as it is", "[STUDY-100]") {
+    constexpr std::array<rig::MagicFormula, 4> kRoads{{{.B = 12.0, .C = 1.6, .D = 1.0, .E = 0.0},
+                                                       {.B = 9.0, .C = 1.75, .D = 0.7, .E = -0.8},
+                                                       {.B = 18.0, .C = 1.4, .D = 0.85, .E = 0.3},
+                                                       {.B = 11.0, .C = 1.65, .D = 0.5, .E = 0.6}}};
+    for (const rig::MagicFormula& road : kRoads) {
+        CAPTURE(road.B, road.C, road.E);
+        std::vector<Run> runs;
+        for (const char* name : {"slow_braking", "heavy"}) {
+            endurance::EnduranceSetup setup = identification_test::setup(name);
+            setup.scenario.rig.rig.surface.magic = road;
+            runs.push_back(run(setup, 3));
+        }
+        const identification::FrictionFit f = identification::fit_friction(runs, runs.front().surface);
+        REQUIRE(f.curve.magic.has_value());
+        CHECK(f.misfit < 1.3);
+        for (double slip = 0.005; slip < f.largest_slip; slip += 0.005)
+            CHECK(rig::friction(f.curve, slip).mu == Approx(rig::friction(road, slip).mu).epsilon(0.01));
+    }
+}
+
+TEST_CASE("a road that changed between two stops is said to fit neither curve", "[STUDY-100]") {
+    std::vector<Run> runs;
+    for (const char* name : {"slow_braking", "heavy"}) {
+        endurance::EnduranceSetup setup = identification_test::setup(name);
+        setup.scenario.rig.rig.surface.magic = rig::MagicFormula{.B = 12.0, .C = 1.6, .D = runs.empty() ? 1.0 : 0.85, .E = 0.0};
+        runs.push_back(run(setup, 3));
+    }
+    const identification::FrictionFit f = identification::fit_friction(runs, runs.front().surface);
+    CHECK(f.misfit > identification::kMaxMisfit);
+    identification::Identified found;
+    found.surfaces.push_back(f);
+    CHECK_THAT(identification::to_table(found), ContainsSubstring("warning: " + f.surface + ": readings are"));
 }
 
 TEST_CASE("landings below the peak alone are refused with numbers", "[STUDY-100]") {

@@ -112,6 +112,9 @@ TEST_CASE("tyre: the magic formula for slip, its odd extension, derivatives as b
             CHECK(peak.slip == 1.0);  // it never falls
         }
     }
+    const rig::Peak asked = rig::peak(rig::magic_formula_with_peak(0.07, 0.6, 1.7, 0.4));
+    CHECK(asked.slip == Approx(0.07).epsilon(1e-12));
+    CHECK(asked.mu == Approx(0.6).epsilon(1e-14));
     CHECK(rig::peak(rig::MagicFormula{.B = 6.0, .C = 1.3, .D = 0.4, .E = 0.8}).slip == 1.0);  // its peak is beyond
     // Without E the peak has a closed form.
     CHECK(rig::peak(curves[0]).slip == Approx(std::tan(0.5 * 3.14159265358979324 / 1.65) / 12.0).epsilon(1e-14));

@@ -48,8 +48,15 @@ Json json(const WheelFit& w) {
 }
 
 Json json(const FrictionFit& f) {
-    return {{"surface", f.surface}, {"c1", json(f.c1)},          {"c2", json(f.c2)},   {"c3", json(f.c3)},
-            {"rms", f.rms},         {"readings", f.slip.size()}, {"lags_s", f.lags_s}, {"largest_slip", f.largest_slip}};
+    Json all{{"surface", f.surface},
+             {"curve", f.curve.magic ? "magic formula" : "eq. (4)"},
+             {"misfit", f.misfit},
+             {"rms", f.rms},
+             {"readings", f.slip.size()},
+             {"lags_s", f.lags_s},
+             {"largest_slip", f.largest_slip}};
+    for (const Coefficient& c : f.coefficients) all[c.name] = json(c.estimate);
+    return all;
 }
 
 }  // namespace
@@ -73,11 +80,8 @@ std::vector<Quantity> quantities(const Identified& found) {
         for (std::size_t k = 0; k < w.relative_friction.size(); ++k)
             all.push_back({fmt::format("mu_b({}), power {}", w.friction_class, k), "", w.relative_friction[k]});
     }
-    for (const FrictionFit& f : found.surfaces) {
-        all.push_back({f.surface + " c1", "", f.c1});
-        all.push_back({f.surface + " c2", "", f.c2});
-        all.push_back({f.surface + " c3", "", f.c3});
-    }
+    for (const FrictionFit& f : found.surfaces)
+        for (const Coefficient& c : f.coefficients) all.push_back({f.surface + " " + c.name, "", c.estimate});
     return all;
 }
 
@@ -85,6 +89,14 @@ std::string to_table(const Identified& found) {
     auto table = settings::TextTable::screen(":<27|estimate:>12.6g|:<10|95 % interval");
     for (const Quantity& q : quantities(found))
         table.add(q.name, q.estimate.value, fmt::format(" {}", q.unit), fmt::format("{:.6g} to {:.6g}", q.estimate.low, q.estimate.high));
+    for (const FrictionFit& f : found.surfaces) {
+        if (f.curve.magic) table.line(fmt::format("{}: a magic formula fits better than eq. (4)", f.surface));
+        if (f.misfit > kMaxMisfit)
+            table.line(
+                fmt::format("warning: {}: readings are {:.1f} times as far from the curve as their errors explain, in the mean: the intervals of its "
+                            "coefficients are too narrow; see friction_{}.png",
+                            f.surface, f.misfit, f.surface));
+    }
     return table.text();
 }
 

@@ -38,6 +38,11 @@ class EditedToml {
         if (!optional) throw settings::Error(file_.string(), static_cast<std::uint32_t>(head + 1), table + "." + key, "is missing");
         lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(head) + 1, line);
     }
+    /// Removes a key of one line, if it is there.
+    void remove(const std::string& table, const std::string& key) {
+        for (std::size_t i = header(table) + 1; i < lines_.size() && !lines_[i].starts_with('['); ++i)
+            if (is_key(lines_[i], key)) lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(i--));
+    }
     /// Whether the file has the key.
     [[nodiscard]] bool has(const std::string& table, const std::string& key) const {
         for (std::size_t i = header(table) + 1; i < lines_.size() && !lines_[i].starts_with('['); ++i) {
@@ -45,8 +50,8 @@ class EditedToml {
         }
         return false;
     }
-    void set(const std::string& table, const std::string& key, const Estimate& e, double factor = 1.0) {
-        set(table, key, fmt::format("{:.8g}", e.value * factor), fmt::format(", 95 %: {:.6g} to {:.6g}", e.low * factor, e.high * factor));
+    void set(const std::string& table, const std::string& key, const Estimate& e, double factor = 1.0, bool optional = false) {
+        set(table, key, fmt::format("{:.8g}", e.value * factor), fmt::format(", 95 %: {:.6g} to {:.6g}", e.low * factor, e.high * factor), optional);
     }
     void write() const { settings::write_file(file_, fmt::format("{}\n", fmt::join(lines_, "\n"))); }
 
@@ -129,9 +134,20 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
     controller.write();
     EditedToml surfaces(to / "surfaces.toml");
     for (const FrictionFit& f : found.surfaces) {
-        surfaces.set("surfaces." + f.surface, "c1", f.c1);
-        surfaces.set("surfaces." + f.surface, "c2", f.c2);
-        surfaces.set("surfaces." + f.surface, "c3", f.c3);
+        const std::string table = "surfaces." + f.surface;
+        for (const char* key : {"c1", "c2", "c3", "magic_formula"}) surfaces.remove(table, key);
+        if (f.curve.magic) {
+            std::vector<std::string> values, intervals;
+            for (const Coefficient& c : f.coefficients) {
+                values.push_back(fmt::format("{} = {:.8g}", c.name, c.estimate.value));
+                intervals.push_back(fmt::format("{} {:.6g} to {:.6g}", c.name, c.estimate.low, c.estimate.high));
+            }
+            surfaces.set(table, "magic_formula", fmt::format("{{ {} }}", fmt::join(values, ", ")),
+                         fmt::format(", 95 %: {}", fmt::join(intervals, ", ")), true);
+        } else {
+            // Each is put first.
+            for (auto c = f.coefficients.rbegin(); c != f.coefficients.rend(); ++c) surfaces.set(table, c->name, c->estimate, 1.0, true);
+        }
     }
     surfaces.write();
 }

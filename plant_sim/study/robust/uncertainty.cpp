@@ -68,10 +68,8 @@ void add_patches(const Basis& basis, rig::RigParameters& rig, wear::Generator& g
 /// A magic formula with the peak friction of the landing's surface.
 void change_curve(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
     const double peak_slip = within_logarithm(u.curve_peak_slip, g);
-    constexpr double kSteep = 1e3;  // puts the peak at a slip far below 1
-    rig::MagicFormula curve{.B = kSteep, .C = within(u.curve_C, g), .D = rig::peak(rig.surface).mu, .E = within(u.curve_E, g)};
-    curve.B *= rig::peak(curve).slip / peak_slip;
-    rig.surface.magic = curve;
+    const double C = within(u.curve_C, g), E = within(u.curve_E, g);
+    rig.surface.magic = rig::magic_formula_with_peak(peak_slip, rig::peak(rig.surface).mu, C, E);
 }
 
 }  // namespace
