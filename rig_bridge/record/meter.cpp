@@ -199,19 +199,10 @@ Work Meter::by_cells(const Knot& from, const MeterSample& to, const Way& way) co
             .friction_way_m = load > 0.0 ? force / load * way.sliding_m : 0.0};
 }
 
-Meter::Way& Meter::Way::operator+=(const Way& other) {
-    time_s += other.time_s;
-    sliding_s += other.sliding_s;
-    angle += other.angle;
-    metres += other.metres;
-    sliding_m += other.sliding_m;
-    return *this;
-}
-
 Work Meter::catch_up(double time_s) {
     Work by_speeds;
     for (; steps_ahead_ > 0 && steps_[first_step_].time_s <= time_s; --steps_ahead_) {
-        knot_.way += steps_[first_step_].way;
+        knot_.way.add(steps_[first_step_].way);
         by_speeds += steps_[first_step_].by_speeds;
         first_step_ = (first_step_ + 1) % kAhead;
     }
@@ -223,7 +214,7 @@ WorkAhead Meter::ahead(const MeterSample& sample) const {
     WorkAhead ahead;
     for (std::size_t i = 0; i < steps_ahead_; ++i) {
         const Step& step = steps_[(first_step_ + i) % kAhead];
-        way += step.way;
+        way.add(step.way);
         ahead.by_speeds += step.by_speeds;
     }
     ahead.by_cells = by_cells(knot_at(sample), sample, way);
@@ -247,8 +238,8 @@ Work Meter::by_speeds(const MeterSample& sample, bool both_reported) {
     if (both_reported) {
         if (!span.gap)
             rolling_ = mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
-        else if (span.angle > 0.0 && span.metres > 0.0)
-            rolling_ = radius * span.angle / span.metres;
+        else if (span.metres > 0.0)  // a held wheel may have less way than was expected of it before
+            rolling_ = radius * std::max(span.angle, 0.0) / span.metres;
         span.reported_s = sample.time_s;
     }
     const double rim_Ns = parameters_.flywheel_mass_kg * (span.flywheel_mps - v);

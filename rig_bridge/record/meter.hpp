@@ -203,7 +203,13 @@ class Meter {
     struct Way {
         double time_s = 0.0, sliding_s = 0.0;
         double angle = 0.0, metres = 0.0, sliding_m = 0.0;
-        Way& operator+=(const Way& other);
+        void add(const Way& other) {
+            time_s += other.time_s;
+            sliding_s += other.sliding_s;
+            angle += other.angle;
+            metres += other.metres;
+            sliding_m += other.sliding_m;
+        }
     };
     /// The newest new reading of the load cells, and the way since its time.
     struct Knot {
