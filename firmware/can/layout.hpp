@@ -74,6 +74,7 @@ struct LoadCellSignals {
     Signal vertical_N;
     Signal longitudinal_N;
     Signal brake_torque_Nm;
+    Signal age_ns;  ///< optional
 };
 
 struct ManeuverStateSignals {

@@ -58,6 +58,7 @@ class Loader {
             layout_.load_cells.vertical_N = cells.physical("vertical", Quantity::force, required_.vertical_N);
             layout_.load_cells.longitudinal_N = cells.physical("longitudinal", Quantity::force, required_.longitudinal_N);
             layout_.load_cells.brake_torque_Nm = cells.physical("brake_torque", Quantity::torque, required_.brake_torque_Nm);
+            if (cells.table().has("age")) layout_.load_cells.age_ns = cells.physical("age", Quantity::time);
         }
         if (root_.has(name(Role::maneuver_state))) {
             MessageBinder state = bind(Role::maneuver_state, {});

@@ -53,9 +53,11 @@ bool Observer::decode(Role role, const Payload& payload, control::Time received)
             return true;
         case Role::load_cells:
             view_.load_cells_received = received;
-            view_.load_cells = {.vertical_N = read(payload, layout_.load_cells.vertical_N),
-                                .longitudinal_N = read(payload, layout_.load_cells.longitudinal_N),
-                                .brake_torque_Nm = read(payload, layout_.load_cells.brake_torque_Nm)};
+            view_.load_cells = {
+                .vertical_N = read(payload, layout_.load_cells.vertical_N),
+                .longitudinal_N = read(payload, layout_.load_cells.longitudinal_N),
+                .brake_torque_Nm = read(payload, layout_.load_cells.brake_torque_Nm),
+                .age = control::Time{static_cast<std::int64_t>(layout_.load_cells.age_ns.value(payload.read(layout_.load_cells.age_ns)))}};
             return true;
         case Role::maneuver_state: {
             const std::int64_t phase = payload.read(layout_.maneuver_state.phase);

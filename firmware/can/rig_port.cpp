@@ -85,6 +85,7 @@ Frame RigPort::load_cells(const LoadCellSample& sample) {
     payload.write(cells.vertical_N, cells.vertical_N.raw(static_cast<double>(sample.vertical_N)));
     payload.write(cells.longitudinal_N, cells.longitudinal_N.raw(static_cast<double>(sample.longitudinal_N)));
     payload.write(cells.brake_torque_Nm, cells.brake_torque_Nm.raw(static_cast<double>(sample.brake_torque_Nm)));
+    payload.write(cells.age_ns, cells.age_ns.raw(static_cast<double>(sample.age.count())));
     return protect(Role::load_cells, payload);
 }
 

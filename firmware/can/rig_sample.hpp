@@ -29,6 +29,7 @@ struct LoadCellSample {
     float vertical_N = 0.0F;
     float longitudinal_N = 0.0F;
     float brake_torque_Nm = 0.0F;
+    control::Time age{};  ///< of the reading when it is sent; 0 if the layout has no such signal
 
     [[nodiscard]] bool operator==(const LoadCellSample&) const = default;
 };

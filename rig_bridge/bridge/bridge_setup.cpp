@@ -40,6 +40,7 @@ Freshness load_freshness(const std::filesystem::path& file, const RegisterMap& m
     limits.recorder_s = seconds("recorder_ms");
     limits.commit_s = seconds("commit_ms");
     limits.watchdog_s = std::chrono::duration<double>(map.plc_timeout).count();
+    limits.load_cells_late_s = std::chrono::duration<double>(map.load_cells_late).count();
     doc.finish();
     return limits;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "firmware/can/roles.hpp"
 
@@ -82,7 +83,10 @@ void Node::send_load_cells() {
     if (!load_cells_fresh(moment_.plc, limits_) || (reading == sent_reading_ && watchdog == sent_watchdog_)) return;
     sent_reading_ = reading;
     sent_watchdog_ = watchdog;
-    (void)bus_.send(port_.load_cells(reading));
+    antiskid::can::LoadCellSample sent = reading;
+    const double asked_s = moment_.plc.age_s[static_cast<std::size_t>(Measured::brake_torque_Nm)];
+    sent.age = Time{std::llround((asked_s + limits_.load_cells_late_s) * 1e9)};
+    (void)bus_.send(port_.load_cells(sent));
 }
 
 }  // namespace rig::bridge

@@ -16,7 +16,8 @@ struct Freshness {
     double commit_s = 1.0;                      ///< until the PLC must have confirmed a command
     double load_cells_s = record::kRepeated_s;  ///< older readings, and those of a PLC whose plc_watchdog stands still for so long, stay off the bus
     double watchdog_s = 0.3;
-    double recorder_s = 0.5;  ///< since the recorder read the bus; after that no value from the bus is valid
+    double load_cells_late_s = 0.0;  ///< no limit: age that their readings have in the PLC's registers
+    double recorder_s = 0.5;         ///< since the recorder read the bus; after that no value from the bus is valid
 };
 
 /// Whether every interlock is read, fresh and good.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "firmware/can/roles.hpp"
+#include "firmware/host/seconds.hpp"
 
 namespace rig::record {
 
@@ -48,6 +49,7 @@ void BusMeter::accept(const antiskid::can::Frame& frame) {
                  .vertical_N = static_cast<double>(v.load_cells.vertical_N),
                  .longitudinal_N = static_cast<double>(v.load_cells.longitudinal_N),
                  .brake_torque_Nm = static_cast<double>(v.load_cells.brake_torque_Nm),
+                 .load_cells_age_s = antiskid::host::seconds(v.load_cells.age),
                  .load_cells_reported = load_cells_reported_ || v.load_cells_received == kNever,
                  .brake_temperature_C = static_cast<double>(v.maneuver_state.brake_temperature_C)});
     wheel_reported_ = flywheel_reported_ = load_cells_reported_ = braked_ = false;

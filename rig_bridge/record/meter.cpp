@@ -70,6 +70,7 @@ MeterSample as_on_bus(const antiskid::can::Layout& layout, const MeterSample& sa
     out.vertical_N = rounded(layout.load_cells.vertical_N, sample.vertical_N);
     out.longitudinal_N = rounded(layout.load_cells.longitudinal_N, sample.longitudinal_N);
     out.brake_torque_Nm = rounded(layout.load_cells.brake_torque_Nm, sample.brake_torque_Nm);
+    out.load_cells_age_s = layout.load_cells.age_ns.rounded(sample.load_cells_age_s * 1e9) * 1e-9;
     out.brake_temperature_C = rounded(layout.maneuver_state.brake_temperature_C, sample.brake_temperature_C);
     return out;
 }
@@ -175,6 +176,8 @@ void Meter::start(const MeterSample& sample) {
     sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
     work_balance_ = WorkBalance(sample.time_s);
     knot_ = knot_at(sample);
+    steps_ahead_ = 0;
+    age_s_ = 0.0;
     span_ = span_at(sample.time_s);
     unknown_J_ = 0.0;
     hole_ = false;
@@ -184,17 +187,38 @@ void Meter::start(const MeterSample& sample) {
     motion_updates_ = flywheel_.motion_updates();
 }
 
-Work Meter::by_cells(const MeterSample& sample) const {
-    const Knot& k = knot_;
-    const double torque = 0.5 * (sample.brake_torque_Nm + k.torque_Nm);
-    const double load = 0.5 * (sample.vertical_N + k.vertical_N);
-    const double force = 0.5 * (sample.longitudinal_N + k.longitudinal_N);
+Work Meter::by_cells(const Knot& from, const MeterSample& to, const Way& way) const {
+    const double torque = 0.5 * (to.brake_torque_Nm + from.torque_Nm);
+    const double load = 0.5 * (to.vertical_N + from.vertical_N);
+    const double force = 0.5 * (to.longitudinal_N + from.longitudinal_N);
     const double radius = parameters_.wheel_radius_m - load / parameters_.wheel_stiffness_Npm;
-    return {.brake_J = torque * k.angle,
-            .tyre_J = force * (k.metres - radius * k.angle),
-            .torque_Nms = torque * k.time_s,
-            .sliding_torque_Nms = torque * k.sliding_s,
-            .friction_way_m = load > 0.0 ? force / load * k.sliding_m : 0.0};
+    return {.brake_J = torque * way.angle,
+            .tyre_J = force * (way.metres - radius * way.angle),
+            .torque_Nms = torque * way.time_s,
+            .sliding_torque_Nms = torque * way.sliding_s,
+            .friction_way_m = load > 0.0 ? force / load * way.sliding_m : 0.0};
+}
+
+Work Meter::catch_up(double time_s) {
+    Work by_speeds;
+    for (; steps_ahead_ > 0 && steps_[first_step_].time_s <= time_s; --steps_ahead_) {
+        knot_.way.add(steps_[first_step_].way);
+        by_speeds += steps_[first_step_].by_speeds;
+        first_step_ = (first_step_ + 1) % kAhead;
+    }
+    return by_speeds;
+}
+
+WorkAhead Meter::ahead(const MeterSample& sample) const {
+    Way way;
+    WorkAhead ahead;
+    for (std::size_t i = 0; i < steps_ahead_; ++i) {
+        const Step& step = steps_[(first_step_ + i) % kAhead];
+        way.add(step.way);
+        ahead.by_speeds += step.by_speeds;
+    }
+    ahead.by_cells = by_cells(knot_at(sample), sample, way);
+    return ahead;
 }
 
 /// Integrates the equations of motion of flywheel and wheel, with the last known load. After a gap the slip of the distances counted in it holds
@@ -214,8 +238,8 @@ Work Meter::by_speeds(const MeterSample& sample, bool both_reported) {
     if (both_reported) {
         if (!span.gap)
             rolling_ = mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
-        else if (span.angle > 0.0 && span.metres > 0.0)
-            rolling_ = radius * span.angle / span.metres;
+        else if (span.metres > 0.0)  // a held wheel may have less way than was expected of it before
+            rolling_ = radius * std::max(span.angle, 0.0) / span.metres;
         span.reported_s = sample.time_s;
     }
     const double rim_Ns = parameters_.flywheel_mass_kg * (span.flywheel_mps - v);
@@ -250,13 +274,19 @@ void Meter::integrate(const MeterSample& sample) {
     const bool silent = work_balance_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
     const double metres = flywheel_.way() - last_flywheel_way_;
-    knot_.time_s += h;
-    knot_.angle += wheel_.way() - last_wheel_way_;
-    knot_.metres += metres;
-    if (sliding()) knot_.sliding_s += h;
-    if (!dropped_out_) knot_.sliding_m += metres;
-    if (work_balance_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample, moves && sample.wheel.reported && sample.flywheel.reported)))
-        knot_ = knot_at(sample);
+    const Way way{.time_s = h,
+                  .sliding_s = sliding() ? h : 0.0,
+                  .angle = wheel_.way() - last_wheel_way_,
+                  .metres = metres,
+                  .sliding_m = dropped_out_ ? 0.0 : metres};
+    if (reading != CellReading::none) age_s_ = std::clamp(sample.load_cells_age_s, 0.0, kMaxAge_s);
+    // Half a period: a step is moved if most of it is as old as the reading.
+    const double read_s = sample.time_s - age_s_ + 0.5 * parameters_.period_s;
+    Work stepped = catch_up(steps_ahead_ == kAhead ? steps_[first_step_].time_s : read_s);
+    steps_[(first_step_ + steps_ahead_++) % kAhead] = {
+        .time_s = sample.time_s, .way = way, .by_speeds = by_speeds(sample, moves && sample.wheel.reported && sample.flywheel.reported)};
+    stepped += catch_up(read_s);
+    if (work_balance_.add(sample.time_s, reading, by_cells(knot_, sample, knot_.way), stepped, ahead(sample))) knot_ = knot_at(sample);
     sums_.time_s = sample.time_s;
     sums_.torque_Nms = work_balance_.work().torque_Nms;
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
@@ -342,7 +372,7 @@ Figures Meter::now() const {
     const double end_s = standstill_ ? flywheel_.rest_s() : sums_.time_s;
     const double end_way_m = standstill_ ? flywheel_.rest_way() : flywheel_.way();
     const Sums sums = standstill_ ? sums_at(end_s) : sums_;
-    const Work& work = work_balance_.work();
+    const Work work = work_balance_.work();
     f.brake_on_mps = start_mps_;
     f.duration_s = end_s - start_s_;
     f.length_m = end_way_m - start_way_m_;

@@ -13,12 +13,16 @@
 /// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
 /// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
 ///
+/// Readings of load cells may be old when they reach the bus (PLC, bridge): a reading that was `age` old multiplies the way up to that time, and the
+/// way since then is multiplied by it until the next one comes.
+///
 /// While load cells or encoders are silent, the work is computed from the speeds before and after (WorkBalance); the warning "energy_by_speeds: ..."
 /// says how much.
 ///
 /// Their sum must equal the kinetic energy lost, eq. (8); otherwise the figures are invalid and warnings() reports it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -42,6 +46,9 @@ inline constexpr std::string_view kFrictionImplausible = "friction_implausible";
 
 /// End of the warnings that bound the brake energy that the figures lack.
 [[nodiscard]] std::string in_no_record(double max_J);
+
+/// Oldest reading of load cells that is assigned to its own time.
+inline constexpr double kMaxAge_s = 0.05;
 
 /// Below this pressure a brake counts as released.
 inline constexpr double kReleased_Pa = 0.2e6;
@@ -95,6 +102,7 @@ struct MeterSample {
     double vertical_N = 0.0;
     double longitudinal_N = 0.0;
     double brake_torque_Nm = 0.0;
+    double load_cells_age_s = 0.0;    ///< of their values when they were sent, up to kMaxAge_s
     bool load_cells_reported = true;  ///< false: nothing new of them since the sample before
     double brake_temperature_C = 0.0;
 };
@@ -165,7 +173,6 @@ class Meter {
     [[nodiscard]] bool released(const MeterSample& sample) const;
     /// Not below drop-out, nor where the pressure is not known: friction counts.
     [[nodiscard]] bool sliding() const { return !dropped_out_ && !hole_; }
-    [[nodiscard]] Work by_cells(const MeterSample& sample) const;  ///< since knot_
     [[nodiscard]] Work by_speeds(const MeterSample& sample, bool both_reported);
     [[nodiscard]] bool hears(const Shaft& shaft, double now_s) const { return now_s - shaft.heard_s() <= parameters_.sensor_late_s; }
     /// From brake-on down to these speeds.
@@ -192,16 +199,42 @@ class Meter {
     double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
     Sums sums_;
     WorkBalance work_balance_;
-    /// The newest new reading of the load cells, and what was since.
-    struct Knot {
-        double torque_Nm = 0.0, vertical_N = 0.0, longitudinal_N = 0.0;
+    /// What torque and force act along.
+    struct Way {
         double time_s = 0.0, sliding_s = 0.0;
         double angle = 0.0, metres = 0.0, sliding_m = 0.0;
+        void add(const Way& other) {
+            time_s += other.time_s;
+            sliding_s += other.sliding_s;
+            angle += other.angle;
+            metres += other.metres;
+            sliding_m += other.sliding_m;
+        }
+    };
+    /// The newest new reading of the load cells, and the way since its time.
+    struct Knot {
+        double torque_Nm = 0.0, vertical_N = 0.0, longitudinal_N = 0.0;
+        Way way{};
     };
     [[nodiscard]] static Knot knot_at(const MeterSample& sample) {
         return {.torque_Nm = sample.brake_torque_Nm, .vertical_N = sample.vertical_N, .longitudinal_N = sample.longitudinal_N};
     }
+    /// With the mean of both readings.
+    [[nodiscard]] Work by_cells(const Knot& from, const MeterSample& to, const Way& way) const;
     Knot knot_;
+    /// Steps that the newest reading is too old to know. As many as a period of 1 ms has in kMaxAge_s.
+    struct Step {
+        double time_s = 0.0;  // its end
+        Way way{};
+        Work by_speeds{};
+    };
+    static constexpr std::size_t kAhead = 64;
+    /// Moves the steps up to `time_s` to the knot; their work by speeds.
+    Work catch_up(double time_s);
+    [[nodiscard]] WorkAhead ahead(const MeterSample& sample) const;
+    std::array<Step, kAhead> steps_{};
+    std::size_t first_step_ = 0, steps_ahead_ = 0;
+    double age_s_ = 0.0;  // of the newest reading when it came
     /// Since both shafts and their speeds were last known: the step before, unless there was a gap.
     struct Span {
         double flywheel_mps = 0.0, wheel_radps = 0.0;  // at its beginning

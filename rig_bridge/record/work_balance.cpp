@@ -11,8 +11,9 @@ Work& Work::operator+=(const Work& other) {
     return *this;
 }
 
-bool WorkBalance::add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds) {
+bool WorkBalance::add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds, const WorkAhead& ahead) {
     now_s_ = time_s;
+    ahead_ = ahead;
     since_knot_ += by_speeds;
     if (time_s - heard_s_ > kSilent_s) {
         silent_ = true;
@@ -28,14 +29,23 @@ bool WorkBalance::add(double time_s, CellReading reading, const Work& by_cells, 
     return time_s - back_s_ >= kBack_s && close();
 }
 
+Work WorkBalance::work() const {
+    Work work = work_;
+    work += silent_ ? ahead_.by_speeds : ahead_.by_cells;
+    return work;
+}
+
 Work WorkBalance::by_speeds() const {
     Work work = closed_;
-    if (silent_) work += since_knot_;
+    if (silent_) {
+        work += since_knot_;
+        work += ahead_.by_speeds;
+    }
     return work;
 }
 
 bool WorkBalance::close() {
-    closed_ = by_speeds();
+    if (silent_) closed_ += since_knot_;
     closed_s_ = silent_s();
     silent_ = back_ = false;
     knot_ = work_;

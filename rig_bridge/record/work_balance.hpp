@@ -32,14 +32,21 @@ struct Work {
 /// State of the load cell values in one step.
 enum class CellReading : std::uint8_t { none, repeated, fresh };
 
+/// Work since the time of the newest reading, which is older than the step.
+struct WorkAhead {
+    Work by_cells;  ///< if the reading held
+    Work by_speeds;
+};
+
 class WorkBalance {
   public:
     explicit WorkBalance(double time_s = 0.0) : heard_s_(time_s), knot_s_(time_s) {}
 
-    /// Adds a step up to `time_s`, which must not decrease: `by_cells` since the newest knot, `by_speeds` since the last step. True: new knot.
-    bool add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds);
+    /// Adds a step up to `time_s`, which must not decrease: `by_cells` since the newest knot, `by_speeds` since the last step, both up to the time of
+    /// the newest reading, and `ahead` of it. True: new knot.
+    bool add(double time_s, CellReading reading, const Work& by_cells, const Work& by_speeds, const WorkAhead& ahead = {});
 
-    [[nodiscard]] const Work& work() const { return work_; }
+    [[nodiscard]] Work work() const;
     /// Whether the work by speeds is used now.
     [[nodiscard]] bool silent() const { return silent_; }
     /// The part of work() from speeds, and its duration.
@@ -52,7 +59,8 @@ class WorkBalance {
 
     bool close();
 
-    Work work_;
+    Work work_;        // up to the time of the newest reading
+    WorkAhead ahead_;  // of it
     Work knot_;        // as it stood there
     Work since_knot_;  // by the speeds
     double heard_s_;

@@ -192,6 +192,8 @@ void read_link(const Table& root, RegisterMap& map) {
     map.link.user_timeout = read_ms(link, "user_timeout_ms", 1, 60'000);
     if (map.link.poll * 3 > map.bridge_timeout)
         link.fail("poll_ms", "above a third of watchdog.bridge_timeout_ms: the watchdog would hardly move in time");
+    if (const auto late_ms = link.find_number("load_cells_late_ms", {.min = 0.0, .max = 50.0}))
+        map.load_cells_late = std::chrono::microseconds(std::llround(1e3 * *late_ms));
     const Table serial = root.table("serial");
     map.serial.baud = serial.integer<int>("baud");
     if (std::find(kBauds.begin(), kBauds.end(), map.serial.baud) == kBauds.end())

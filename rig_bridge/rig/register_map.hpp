@@ -62,6 +62,7 @@ struct RegisterMap {
     std::chrono::milliseconds bridge_timeout{};  ///< the PLC trips after this time without a change of bridge_watchdog
     std::chrono::milliseconds plc_timeout{};     ///< the PLC counts as silent after this time without a change of plc_watchdog
     LinkTimes link;
+    std::chrono::microseconds load_cells_late{};  ///< mean age of their readings in the registers when they are asked for
     SerialLine serial;
     std::array<Field, kMeasuredCount> measured;    ///< input registers, by Measured
     std::array<Field, kCommandedCount> commanded;  ///< holding registers, by Commanded

@@ -71,6 +71,9 @@ answer. After a timeout, an exception or an answer to another request it closes 
 that, and so on up to {link["backoff_max_ms"]} ms. RTU: {serial["baud"]} baud, 8 data bits, parity {serial["parity"]}, {serial["stop_bits"]} stop bit{"s" if serial["stop_bits"] > 1 else ""}. After
 an error the line must first be quiet for {link["response_timeout_ms"]} ms.
 
+When they are asked for, readings of the load cells are {link.get("load_cells_late_ms", 0)} ms old in the mean (`load_cells_late_ms`, 0 to 50; 0 if
+the key is missing): half a scan of the PLC and the delay of the cells' filter. The bridge tells it on the bus, see [recording](recording.md#figures).
+
 ## By hand
 
 With `virtual-rig serve` on port 1502, or any PLC with this map (`mbpoll -0` counts from 0, `-1` asks once):

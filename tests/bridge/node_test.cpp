@@ -17,10 +17,11 @@ namespace {
 
 struct Bench {
     antiskid::can::Layout frames = layout();
-    FakePlc plc;
-    FakeFeed feed;
-    FakeBus bus;
-    rig::bridge::Node node{frames, 1e-3, rig::bridge::Freshness{}, plc, feed, bus};
+    FakePlc plc{};
+    FakeFeed feed{};
+    FakeBus bus{};
+    rig::bridge::Freshness limits{};
+    rig::bridge::Node node{frames, 1e-3, limits, plc, feed, bus};
     Time now = 1s;
 
     const rig::bridge::Moment& step(rig::Sequencer* sequencer, const rig::bridge::Node::Wishes& wishes = {}) {
@@ -89,13 +90,29 @@ TEST_CASE("A reading of the load cells goes on the bus once, however often it is
         for (int i = 0; i < 10; ++i) b.step(nullptr);
         CHECK(b.sent(Role::load_cells) == 1);
     }
-    for (const double age_s : {0.101, 0.299, double{NAN}}) {
+    for (const double age_s : {0.101, 0.299, double{NAN}}) {  // of the watchdog
         b.bus.sent.clear();
         b.plc.now.plc_watchdog_age_s = age_s;
         rig::at(b.plc.now.values, Measured::brake_torque_Nm) += 1.0;
         for (int i = 0; i < 10; ++i) b.step(nullptr);
         CHECK(b.sent(Role::load_cells) == 0);
         CHECK(b.sent(Role::maneuver) == 5);
+    }
+}
+
+TEST_CASE("With a reading of the load cells goes how old it is: in the registers, and since it was asked for", "[BRG-400]") {
+    constexpr int kInRegisters_ms = 5;
+    Bench b{.limits = {.load_cells_late_s = 1e-3 * kInRegisters_ms}};
+    antiskid::can::Observer heard(b.frames);
+    for (const int asked_ms : {0, 4, 9, 60}) {
+        CAPTURE(asked_ms);
+        b.plc.now.age_s[static_cast<std::size_t>(Measured::brake_torque_Nm)] = 1e-3 * asked_ms;
+        b.plc_moves();
+        b.step(nullptr);
+        for (const antiskid::can::Frame& frame : b.bus.sent) heard.accept(frame);
+        b.bus.sent.clear();
+        constexpr int kMost_ms = 30;  // of the field
+        CHECK(std::abs(heard.view().load_cells.age / 1ms - std::min(asked_ms + kInRegisters_ms, kMost_ms)) <= 1);
     }
 }
 

@@ -18,7 +18,7 @@ import canmatrix.formats  # noqa: E402
 # One of it in the controller's unit.
 UNITS = {
     "": 1, "1": 1, "%": 0.01, "rpm": 2 * math.pi / 60, "m/s": 1, "km/h": 1 / 3.6, "m/s2": 1, "Pa": 1, "bar": 1e5,
-    "mA": 1, "A": 1e3, "N": 1, "Nm": 1, "us": 1e3, "degC": 1,
+    "mA": 1, "A": 1e3, "N": 1, "Nm": 1, "us": 1e3, "ms": 1e6, "degC": 1,
 }
 ROLLS_OVER = {"edge_count", "edge_time", "number"}
 CYCLIC_FROM_ZERO = 15

@@ -51,10 +51,16 @@ class Writer {
         port_.accept(sync);
         write(Role::sync, sync, {{"number", number}}, {{"number", port_.sync_number()}});
         if (layout_[Role::load_cells].bound) {
-            const Json sent{{"vertical", between(0.0F, 5e4F)}, {"longitudinal", between(-6e4F, 6e4F)}, {"brake_torque", between(-3e4F, 3e4F)}};
-            write(Role::load_cells,
-                  rig_.load_cells({.vertical_N = sent["vertical"], .longitudinal_N = sent["longitudinal"], .brake_torque_Nm = sent["brake_torque"]}),
-                  sent, Json::object());
+            const Json sent{{"vertical", between(0.0F, 5e4F)},
+                            {"longitudinal", between(-6e4F, 6e4F)},
+                            {"brake_torque", between(-3e4F, 3e4F)},
+                            {"age", below(40'000'000U)}};
+            const Frame frame = rig_.load_cells({.vertical_N = sent["vertical"],
+                                                 .longitudinal_N = sent["longitudinal"],
+                                                 .brake_torque_Nm = sent["brake_torque"],
+                                                 .age = control::Time{sent["age"].get<std::int64_t>()}});
+            observer_.accept(frame);
+            write(Role::load_cells, frame, sent, {{"age", observer_.view().load_cells.age.count()}});
         }
         if (layout_[Role::maneuver_state].bound) maneuver_state();
         command();

@@ -29,7 +29,8 @@ RigSample sample_at(int step) {
     sample.pressure_Pa = 1e4F * static_cast<float>(step % 700);
     sample.maneuver.demand_Pa = 2e7F;
     sample.maneuver.arm = step > 100;
-    sample.load_cells = {.vertical_N = 23'532.0F, .longitudinal_N = 2100.0F, .brake_torque_Nm = static_cast<float>(step % 900)};
+    sample.load_cells = {
+        .vertical_N = 23'532.0F, .longitudinal_N = 2100.0F, .brake_torque_Nm = static_cast<float>(step % 900), .age = Time{step % 40 * 1'000'000}};
     sample.maneuver_state = {.phase = static_cast<std::uint8_t>(step / 150 % 11),
                              .number = n / 1650,
                              .brake_temperature_C = 20.0F + 0.1F * static_cast<float>(step % 3000)};
@@ -281,6 +282,7 @@ TEST_CASE("the observer has the rig's telemetry with its time", "[CAN-100]") {
                 REQUIRE(observer.view().load_cells.vertical_N == Approx(23'532.0).margin(10.0));
                 REQUIRE(observer.view().load_cells.longitudinal_N == Approx(2100.0).margin(10.0));
                 REQUIRE(observer.view().load_cells.brake_torque_Nm == Approx(step % 900).margin(2.0));
+                REQUIRE(std::abs((observer.view().load_cells.age - Time{std::min(step % 40, 30) * 1'000'000}).count()) <= 1'000'000);
             }
             if (role == Role::maneuver_state) {
                 ++states;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rig_bridge/record/bus_meter.hpp"
@@ -48,7 +51,46 @@ struct Hole {
     int every = 1;  ///< of the load cells' frames only every so many arrive
 };
 
-Both run(const plant_sim::StopOptions& options, const Hole& hole = {}) {
+/// Times in ms. Load cells are read in the PLC's scan, each 10; the registers are asked for each 20, and what came goes on the bus in a step of the
+/// bridge, each 10.
+struct Plc {
+    int scan = 0, poll = 0, step = 0;  ///< each begins then
+    bool tells_age = true;
+};
+
+/// The load cells' frames of a bridge.
+class LateCells {
+  public:
+    LateCells(const antiskid::can::Layout& layout, const Plc& plc) : plc_(plc), port_(layout, antiskid::control::Time{1'000'000}) {}
+
+    std::optional<Frame> after(const antiskid::can::LoadCellSample& now) {
+        constexpr int kScan_ms = 10, kPoll_ms = 20, kStep_ms = 10;
+        std::optional<Frame> frame;
+        ++ms_;
+        if (ms_ % kPoll_ms == plc_.poll) {  // the scan of this period comes after it
+            polled_ = scanned_;
+            polled_ms_ = ms_;
+            sent_ = false;
+        }
+        if (ms_ % kScan_ms == plc_.scan) scanned_ = now;
+        if (ms_ % kStep_ms == plc_.step && !std::exchange(sent_, true)) {
+            antiskid::can::LoadCellSample sample = polled_;
+            constexpr double kInRegisters_ms = 0.5 * (kScan_ms + 1);
+            if (plc_.tells_age) sample.age = antiskid::control::Time{std::llround((ms_ - polled_ms_ + kInRegisters_ms) * 1e6)};
+            frame = port_.load_cells(sample);
+        }
+        return frame;
+    }
+
+  private:
+    Plc plc_;
+    RigPort port_;
+    antiskid::can::LoadCellSample scanned_, polled_;
+    int ms_ = 0, polled_ms_ = 0;
+    bool sent_ = true;
+};
+
+Both run(const plant_sim::StopOptions& options, const Hole& hole = {}, const std::optional<Plc>& plc = {}) {
     const plant_sim::StopInputs s = plant_sim::load_scenario(options);
     rig::record::MeterParameters parameters = rig::meter_parameters(s.plant, 1e-3);
     parameters.sensor_late_s = 0.02;
@@ -59,10 +101,12 @@ Both run(const plant_sim::StopOptions& options, const Hole& hole = {}) {
     Both both;
     double braking_s = -1.0;
     int load_cells = 0;
+    std::optional<LateCells> late;
+    if (plc) late.emplace(s.layout, *plc);
     const auto hear = [&](const Frame& frame) {
         const auto is = [&](antiskid::can::Role role) { return frame.id == s.layout[role].id; };
         const bool of_cells = is(antiskid::can::Role::load_cells);
-        if (of_cells && ++load_cells % hole.every != 0) return;
+        if (of_cells && (late || ++load_cells % hole.every != 0)) return;
         const bool in_it = hole.silent == Silent::everything || (hole.silent == Silent::load_cells && of_cells) ||
                            (hole.silent == Silent::encoders && (is(antiskid::can::Role::wheel) || is(antiskid::can::Role::flywheel)));
         if (!in_it || braking_s < hole.from_s || braking_s >= hole.to_s) meter.accept(frame);
@@ -78,6 +122,8 @@ Both run(const plant_sim::StopOptions& options, const Hole& hole = {}) {
         sample.maneuver_state = {.phase = phase_code(phase), .number = 1, .brake_temperature_C = 20.0F};
         std::array<Frame, RigPort::kMaxFrames> due;
         for (std::size_t i = 0, count = bridge.due_frames(sample, due); i < count; ++i) hear(due[i]);
+        if (!late) return;
+        if (const auto frame = late->after(session.load_cells())) meter.accept(*frame);
     };
     both.truth = run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, on_step, hear).figures;
     both.measured = meter.figures();
@@ -156,6 +202,32 @@ TEST_CASE("how often load cells are read costs no energy", "[BRG-200]") {
             const Both b = run(scenarios::options({surface, "light"}), {.every = every});
             CHECK(b.warnings.empty());
             CHECK(b.measured.energy_brake_J == Approx(b.truth.energy_brake_J).epsilon(0.003));
+        }
+    }
+}
+
+TEST_CASE("load cells that are late through a PLC cost no energy in the mean, since each reading tells its age", "[BRG-200]") {
+    for (const double speed_mps : {9.0, 15.0, 26.0}) {
+        for (const double mass_kg : {2200.0, 3700.0}) {
+            CAPTURE(speed_mps, mass_kg);
+            auto options = scenarios::options({"dry_asphalt", "light"});
+            options.choice.speed_mps = speed_mps;
+            options.choice.mass_kg = mass_kg;
+            constexpr int kPhases = 10;
+            std::array<double, 2> off{};
+            for (int i = 0; i < kPhases; ++i) {
+                for (const bool tells_age : {false, true}) {
+                    const Both b = run(options, {}, Plc{.scan = i, .poll = (3 * i + 1) % 20, .step = 7 * i % 10, .tells_age = tells_age});
+                    CHECK(b.warnings.empty());
+                    const double one = b.measured.energy_brake_J / b.truth.energy_brake_J - 1.0;
+                    off.at(tells_age ? 1 : 0) += one / kPhases;
+                    // What is left is where in its scan the PLC was asked: half a scan of the rise of torque.
+                    if (tells_age) CHECK(std::abs(one) < 0.2 / speed_mps);
+                }
+            }
+            UNSCOPED_INFO("without age " << off[0] << ", with it " << off[1]);
+            CHECK(off[0] < -0.1 / speed_mps);
+            CHECK(std::abs(off[1]) < 0.005);
         }
     }
 }

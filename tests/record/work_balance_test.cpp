@@ -51,6 +51,25 @@ TEST_CASE("a silence is the speeds' from the newest reading on that was new, to 
     }
 }
 
+TEST_CASE("work since the time of a late reading is the present one's, and becomes the next one's", "[BRG-200]") {
+    WorkBalance balance(0.0);
+    const rig::record::WorkAhead ahead{.by_cells = {.brake_J = 5.0}, .by_speeds = {.brake_J = 7.0}};
+    balance.add(0.01, CellReading::fresh, {.brake_J = 1.0}, {.brake_J = 2.0}, ahead);
+    CHECK(balance.work().brake_J == 6.0);
+    balance.add(0.02, CellReading::fresh, {.brake_J = 10.0}, {.brake_J = 20.0}, ahead);
+    CHECK(balance.work().brake_J == 16.0);
+    CHECK(balance.by_speeds().brake_J == 0.0);
+    balance.add(0.2, CellReading::none, {.brake_J = 100.0}, {.brake_J = 200.0}, ahead);
+    CHECK(balance.work().brake_J == 218.0);
+    CHECK(balance.by_speeds().brake_J == 207.0);
+    balance.add(0.21, CellReading::fresh, {.brake_J = 110.0}, {.brake_J = 20.0}, ahead);
+    balance.add(0.25, CellReading::fresh, {.brake_J = 150.0}, {.brake_J = 80.0}, ahead);
+    CHECK_FALSE(balance.silent());
+    CHECK(balance.by_speeds().brake_J == 300.0);
+    balance.add(0.26, CellReading::fresh, {.brake_J = 10.0}, {.brake_J = 20.0}, ahead);
+    CHECK(balance.work().brake_J == 11.0 + 300.0 + 10.0 + 5.0);
+}
+
 TEST_CASE("a step over a hole of everything is the speeds' even where it ends with a reading", "[BRG-200]") {
     WorkBalance balance(0.0);
     balance.add(0.01, CellReading::fresh, {.brake_J = 1.0}, {.brake_J = 2.0});

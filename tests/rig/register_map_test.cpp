@@ -70,6 +70,10 @@ TEST_CASE("The shipped map gives every quantity its place", "[BRG-001]") {
     CHECK(map.bridge_timeout == std::chrono::milliseconds(500));
     CHECK(map.plc_timeout == std::chrono::milliseconds(300));
     CHECK(map.serial.parity == 'N');
+    CHECK(map.load_cells_late == std::chrono::microseconds(5500));
+    const TemporaryDirectory directory;
+    put(directory / "registers.toml", edited("link", "load_cells_late_ms = 5.5\n", ""));
+    CHECK(load_register_map(directory / "registers.toml").load_cells_late.count() == 0);
     for (std::size_t i = 0; i < rig::kMeasuredCount; ++i) CHECK(map.measured[i].name == rig::name(static_cast<Measured>(i)));
     for (std::size_t i = 0; i < rig::kCommandedCount; ++i) CHECK(map.commanded[i].name == rig::name(static_cast<Commanded>(i)));
     CHECK(map.field(Measured::brake_torque_Nm).address == 18);
@@ -114,6 +118,8 @@ TEST_CASE("Every key that is missing, misspelt or of another type is refused wit
     check_rejected("watchdog", "plc_timeout_ms = 300", "plc_timeout_s = 0.3", "watchdog.plc_timeout_s", "plc_timeout_ms");
     check_rejected("link", "backoff_max_ms = 2000", "backoff_max_ms = 50", "link.backoff_max_ms", "backoff_min_ms");
     check_rejected("link", "poll_ms = 20", "poll_ms = 400", "link.poll_ms", "third");
+    check_rejected("link", "load_cells_late_ms = 5.5", "load_cells_late_ms = 50.1", "link.load_cells_late_ms", "0 to 50");
+    check_rejected("link", "load_cells_late_ms = 5.5", "load_cells_late_ms = -1", "link.load_cells_late_ms", "0 to 50");
     check_rejected("serial", "baud = 115200", "baud = 100000", "serial.baud", "standard");
     check_rejected("serial", "\"none\"", "\"mark\"", "serial.parity", "even");
     check_rejected("serial", "stop_bits = 1", "stop_bits = 3", "serial.stop_bits", "1 to 2");
