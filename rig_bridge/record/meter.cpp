@@ -178,6 +178,7 @@ void Meter::start(const MeterSample& sample) {
     knot_ = knot_at(sample);
     steps_ahead_ = 0;
     age_s_ = 0.0;
+    wheel_reported_ = flywheel_reported_ = false;
     span_ = span_at(sample.time_s);
     unknown_J_ = 0.0;
     hole_ = false;
@@ -283,8 +284,11 @@ void Meter::integrate(const MeterSample& sample) {
     // Half a period: a step is moved if most of it is as old as the reading.
     const double read_s = sample.time_s - age_s_ + 0.5 * parameters_.period_s;
     Work stepped = catch_up(steps_ahead_ == kAhead ? steps_[first_step_].time_s : read_s);
-    steps_[(first_step_ + steps_ahead_++) % kAhead] = {
-        .time_s = sample.time_s, .way = way, .by_speeds = by_speeds(sample, moves && sample.wheel.reported && sample.flywheel.reported)};
+    wheel_reported_ = wheel_reported_ || sample.wheel.reported;
+    flywheel_reported_ = flywheel_reported_ || sample.flywheel.reported;
+    const bool both_reported = moves && wheel_reported_ && flywheel_reported_;
+    if (both_reported) wheel_reported_ = flywheel_reported_ = false;
+    steps_[(first_step_ + steps_ahead_++) % kAhead] = {.time_s = sample.time_s, .way = way, .by_speeds = by_speeds(sample, both_reported)};
     stepped += catch_up(read_s);
     if (work_balance_.add(sample.time_s, reading, by_cells(knot_, sample, knot_.way), stepped, ahead(sample))) knot_ = knot_at(sample);
     sums_.time_s = sample.time_s;

@@ -234,7 +234,8 @@ class Meter {
     [[nodiscard]] WorkAhead ahead(const MeterSample& sample) const;
     std::array<Step, kAhead> steps_{};
     std::size_t first_step_ = 0, steps_ahead_ = 0;
-    double age_s_ = 0.0;  // of the newest reading when it came
+    double age_s_ = 0.0;                                       // of the newest reading when it came
+    bool wheel_reported_ = false, flywheel_reported_ = false;  // since both were: their frames need not come in the same sample
     /// Since both shafts and their speeds were last known: the step before, unless there was a gap.
     struct Span {
         double flywheel_mps = 0.0, wheel_radps = 0.0;  // at its beginning

@@ -85,6 +85,7 @@ struct Gap {
 
 struct Record {
     std::vector<Gap> gaps{};
+    int every = 1, flywheel_at = 0;  ///< frames come each so many samples, the flywheel's so many after the wheel's
     double abort_s = 1e9, released_s = 1e9;
     std::function<double(double t)> cells{};  ///< torque as the cells have it; none: they are silent
     double age_s = 0.0;
@@ -107,6 +108,8 @@ Meter metered(const Motion& motion, const Record& record, double end_s) {
             leaps = leaps || gap.leaps;
         }
         if (leaps) continue;
+        wheel = wheel && n % record.every == 0;
+        flywheel = flywheel && n % record.every == record.flywheel_at;
         constexpr double kPitch = 2.0 * std::numbers::pi / 60.0;
         if (wheel) sample.wheel = edges(t, kPitch, [&](double at) { return motion.at(at).angle; });
         if (flywheel) sample.flywheel = edges(t, kPitch * kRig.flywheel_radius_m, [&](double at) { return motion.at(at).metres; });
@@ -159,6 +162,15 @@ TEST_CASE("a gap is from where both shafts were reported to where both are", "[B
           std::pair{Gap{2.0, 2.8, true, false}, Gap{2.2, 2.6, false, true}}, std::pair{Gap{2.2, 2.6, true, false}, Gap{2.0, 2.8, false, true}}}) {
         CAPTURE(wheel.from_s, wheel.to_s);
         CHECK(metered(motion, {.gaps = {wheel, flywheel}}, 3.0).figures().energy_brake_J == Approx(motion.brake_J(3.0)).epsilon(0.01));
+    }
+}
+
+TEST_CASE("frames of both shafts need not come in the same sample", "[BRG-200]") {
+    const Motion motion(25.0, {{}, {.from_s = kBrakeOn_s, .deceleration_mps2 = 6.0, .slip = 0.03}, {2.0, 6.0, 0.3}});
+    for (const int every : {1, 2, 10}) {
+        CAPTURE(every);
+        CHECK(metered(motion, {.gaps = {}, .every = every, .flywheel_at = every / 2}, 3.0).figures().energy_brake_J ==
+              Approx(motion.brake_J(3.0)).epsilon(0.01));
     }
 }
 
