@@ -145,8 +145,8 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
             surfaces.set(table, "magic_formula", fmt::format("{{ {} }}", fmt::join(values, ", ")),
                          fmt::format(", 95 %: {}", fmt::join(intervals, ", ")), true);
         } else {
-            // Each is put first.
-            for (auto c = f.coefficients.rbegin(); c != f.coefficients.rend(); ++c) surfaces.set(table, c->name, c->estimate, 1.0, true);
+            const std::vector<Coefficient> last_first(f.coefficients.rbegin(), f.coefficients.rend());  // each is put first
+            for (const Coefficient& c : last_first) surfaces.set(table, c.name, c.estimate, 1.0, true);
         }
     }
     surfaces.write();
