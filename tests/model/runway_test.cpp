@@ -244,8 +244,8 @@ TEST_CASE("every mistake in a runway's file is refused with file, line and key",
 }
 
 TEST_CASE("a patch of a magic formula is that surface from there on, and its wet curve is stretched over slip", "[RIG-264]") {
-    constexpr rig::MagicFormula kMagic{.B = 14.0, .C = 1.7, .D = 0.9, .E = -0.6};
-    const rig::Surface magic{.name = "magic", .magic = kMagic};
+    constexpr rig::MagicFormula kPacejka{.B = 14.0, .C = 1.7, .D = 0.9, .E = -0.6};
+    const rig::Surface magic{.name = "magic", .magic = kPacejka};
     rig::RigParameters all = rig::load_rig("config", {}).rig, patch = all;
     all.surface = magic;
     patch.runway.patches = {{0.0, magic}};
@@ -256,7 +256,7 @@ TEST_CASE("a patch of a magic formula is that surface from there on, and its wet
     }
     CHECK(a.wheel().omega_radps == b.wheel().omega_radps);
     CHECK(a.wheel().v_mps < all.brake_on_mps - 1.0);
-    CHECK(b.forces().mu == Approx(rig::friction(kMagic, b.forces().slip).mu).epsilon(1e-12));
+    CHECK(b.forces().mu == Approx(rig::friction(kPacejka, b.forces().slip).mu).epsilon(1e-12));
 
     const TemporaryDirectory directory;
     std::ofstream(directory / "r.toml")
