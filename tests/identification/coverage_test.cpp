@@ -109,13 +109,13 @@ TEST_CASE("the truth lies in the interval of each parameter for 45 of 50 seeds o
 TEST_CASE("a magic formula's curve is found within 1 % of its peak, far beyond the slip that was held, for 50 seeds", "[.fifty][STUDY-100]") {
     Coverage coverage;
     double worst = 0.0;
-    constexpr std::array<rig::MagicFormula, 5> kRoads{{{.B = 12.0, .C = 1.6, .D = 1.0, .E = 0.0},
-                                                       {.B = 9.0, .C = 1.75, .D = 0.7, .E = -0.8},
-                                                       {.B = 18.0, .C = 1.4, .D = 0.85, .E = 0.3},
-                                                       {.B = 11.0, .C = 1.65, .D = 0.5, .E = 0.6},
-                                                       {.B = 15.0, .C = 1.5, .D = 0.9, .E = -0.5}}};
-    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-        const rig::MagicFormula& road = kRoads.at(seed % kRoads.size());
+    // None of them is a road of road_test.cpp, on which the fit's starts were chosen.
+    const std::array<rig::MagicFormula, 5> roads{
+        rig::magic_formula_with_peak(0.06, 0.9, 1.5, 0.2), rig::magic_formula_with_peak(0.10, 0.6, 1.7, -0.3),
+        rig::magic_formula_with_peak(0.15, 0.8, 1.45, 0.5), rig::magic_formula_with_peak(0.20, 1.1, 1.6, -1.0),
+        rig::magic_formula_with_peak(0.08, 0.4, 1.8, 0.7)};
+    for (std::uint64_t seed = 51; seed <= 100; ++seed) {
+        const rig::MagicFormula& road = roads.at(seed % roads.size());
         std::vector<Run> all;
         for (const char* name : {"slow_braking", "heavy"}) {
             endurance::EnduranceSetup s = identification_test::setup(name);
