@@ -47,10 +47,10 @@ class SmallDisk {
     std::filesystem::path path_;
 };
 
-/// Until the bus has been quiet for a while.
-std::uint64_t record(Capture& capture, BusLog& log) {
+/// Until so many frames are there and the bus has been quiet for a while after them.
+std::uint64_t record(Capture& capture, BusLog& log, std::uint64_t expected) {
     std::uint64_t count = 0;
-    while (capture.wait(kQuiet)) {
+    while (capture.wait(count < expected ? kPatience : kQuiet)) {
         for (const CapturedFrame& frame : capture.receive()) {
             log.write(frame);
             ++count;
@@ -72,8 +72,11 @@ TEST_CASE("the recorder has every frame that candump has, line for line, stamp f
     const auto folder = dir.write("x", "").parent_path();
     const auto theirs = folder / "candump.log";
     const auto ours = folder / "bus.log";
-    // Their filter: every identifier and every error frame.
-    shell("candump -L -r 8000000 vcan0,0:0,#FFFFFFFF > " + theirs.string() + " & echo $! > " + folder.string() + "/pid; sleep 1");
+    constexpr std::uint64_t kSent = 1000 + 1000 + 300 + 4 + 500;
+    // Their filter: every identifier and every error frame. They end by themselves, with the last frame.
+    const auto ended = folder / "ended";
+    shell("(candump -L -r 8000000 -n " + std::to_string(kSent) + " vcan0,0:0,#FFFFFFFF > " + theirs.string() + "; touch " + ended.string() +
+          ") & for i in $(seq 300); do grep -qs '^ *vcan0 ' /proc/net/can/rcvlist_all && exit; sleep 0.1; done; exit 1");
     Capture capture("vcan0");
     BusLog log(ours, "vcan0");
     SocketCan own("vcan0", {});
@@ -85,10 +88,10 @@ TEST_CASE("the recorder has every frame that candump has, line for line, stamp f
     for (std::uint32_t i = 0; i < 500; ++i) {
         while (!own.send(numbered(i))) static_cast<void>(own.wait(Time{1'000'000}));
     }
-    const std::uint64_t count = record(capture, log);
+    const std::uint64_t count = record(capture, log, kSent);
     REQUIRE(log.finish());
-    shell("kill -INT $(cat " + folder.string() + "/pid); sleep 0.5");
-    CHECK(count == 1000 + 1000 + 300 + 4 + 500);
+    shell("for i in $(seq 300); do [ -e " + ended.string() + " ] && exit; sleep 0.1; done; pkill -x candump; exit 1");
+    CHECK(count == kSent);
     CHECK(capture.status().frames == count);
     CHECK(capture.status().dropped == 0);
     CHECK(capture.status().up);
