@@ -56,7 +56,7 @@ struct RegulateCommand {
         report.rules = asked.rules;
         report.range = asked.range();
         report.limits = wear::limit_forecast(wear::Regulator(report.plan, report.rules, report.range));
-        regulation::FleetOptions& options = report.options;
+        regulation::LivesOptions& options = report.options;
         options.lives = lives;
         options.seed = seed;
         options.mix = mix;
@@ -98,7 +98,7 @@ struct RegulateCommand {
         options.on_stops = [&](std::size_t done) {  // lives that bring less than planned go on beyond it
             progress.show(std::min(static_cast<std::int64_t>(done), planned));
         };
-        report.policies = regulation::run_fleet(report.plan, report.rules, report.range, all, brake, options,
+        report.policies = regulation::run_lives(report.plan, report.rules, report.range, all, brake, options,
                                                 [&](std::span<const regulation::LandingRequest> requests) {
                                                     return by_table ? land_by_table(sites, asked.floor, requests) : land(sites, requests, threads);
                                                 });
@@ -118,7 +118,7 @@ struct RegulateCommand {
   private:
     /// The lives' pairs as they really are, on landings as the sites make them.
     [[nodiscard]] static regulation::BoundProblem problem_of(const wear::RegulationConfig& asked, const LandingSites& sites,
-                                                             const wear::WearPlan& plan, const regulation::FleetOptions& options) {
+                                                             const wear::WearPlan& plan, const regulation::LivesOptions& options) {
         regulation::BoundProblem problem{.table = asked.floor, .allowed = {}, .landing_J = {}, .costs = options.each.costs, .begins = {}};
         for (const wear::SurfaceTable::Row& row : asked.floor.rows) problem.allowed.push_back(asked.range_on(row.surface));
         for (const LandingSite& site : sites.sites) {  // a maneuver brings the same energy on every surface

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/study/regulation/fleet.hpp"
+#include "plant_sim/study/regulation/lives.hpp"
 #include "rig_bridge/wear/limit_forecast.hpp"
 
 namespace plant_sim::lab {
@@ -15,7 +15,7 @@ struct RegulateReport {
     wear::Rules rules;
     wear::Range range;
     wear::LimitForecast limits;  ///< at the beginning of the plan
-    regulation::FleetOptions options;
+    regulation::LivesOptions options;
     std::vector<regulation::PolicyLives> policies;  ///< the regulated one first
     double cost_bound = 0.0, cost_untold = 0.0,
            cost_unshared = 0.0;  ///< money per landing: Bound with the surface known, and unknown; cost_unshared()

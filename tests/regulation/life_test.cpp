@@ -7,7 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "plant_sim/study/regulation/fleet.hpp"
+#include "plant_sim/study/regulation/lives.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/regulation/toy_landing.hpp"
@@ -47,9 +47,9 @@ std::vector<Stop> landed_all(std::span<const regulation::LandingRequest> request
     return stops;
 }
 
-std::vector<regulation::PolicyLives> fleet(const wear::WearPlan& plan, regulation::FleetOptions options) {
+std::vector<regulation::PolicyLives> fleet(const wear::WearPlan& plan, regulation::LivesOptions options) {
     options.scenarios = toy::Landings::kEnergy_J.size();
-    return regulation::run_fleet(plan, {}, toy::kRange,
+    return regulation::run_lives(plan, {}, toy::kRange,
                                  {{.name = "regulated"}, {.name = "fixed 0.24", .fixed = 0.24}, {.name = "fixed 0.30", .fixed = 0.30}},
                                  brake(plan.brake_life_J), options, landed_all);
 }
@@ -125,7 +125,7 @@ TEST_CASE("with every scenario equally often the plan is feasible in every life,
 
 TEST_CASE("brakes and tyres that last differently are met together where inspections tell, and not by a fixed reference", "[STUDY-167]") {
     const wear::WearPlan plan = toy::plan(256, 0.28);
-    regulation::FleetOptions options{
+    regulation::LivesOptions options{
         .lives = 20, .seed = 4, .brake_deviation = 0.05, .tyre_deviation = 0.05, .each = {.inspection = {.landings = 32}}};
     const auto all = fleet(plan, options);
     const std::vector<bool> possible = feasible(all);
@@ -140,7 +140,7 @@ TEST_CASE("brakes and tyres that last differently are met together where inspect
 
 TEST_CASE("lives scatter as asked for, by linings of their own, and none begins with nothing left", "[STUDY-170]") {
     wear::WearPlan plan = toy::plan(256, 0.30);
-    regulation::FleetOptions options{.seed = 5, .brake_deviation = 0.12, .tyre_deviation = 0.08};
+    regulation::LivesOptions options{.seed = 5, .brake_deviation = 0.12, .tyre_deviation = 0.08};
     const wear::BrakeWear planned = brake(plan.brake_life_J);
     double sum = 0.0, squares = 0.0, tyres = 0.0, tyre_squares = 0.0;
     constexpr int kLives = 2000;
@@ -180,9 +180,9 @@ TEST_CASE("who is told the surface reaches shares that one reference cannot, and
         }
     }
     const wear::WearPlan plan = toy::plan(256, 0.27);
-    regulation::FleetOptions options{.lives = 10, .seed = 6, .mix = Mix::balanced, .each = {.surface_of = {0, 0, 1, 1}}, .scenarios = 4};
+    regulation::LivesOptions options{.lives = 10, .seed = 6, .mix = Mix::balanced, .each = {.surface_of = {0, 0, 1, 1}}, .scenarios = 4};
     options.each.references.emplace(table, 0.85, 0.24);
-    const auto all = regulation::run_fleet(plan, {}, kEach, {{.name = "one"}, {.name = "told", .told = true}}, brake(plan.brake_life_J), options,
+    const auto all = regulation::run_lives(plan, {}, kEach, {{.name = "one"}, {.name = "told", .told = true}}, brake(plan.brake_life_J), options,
                                            [&](auto requests) {
                                                std::vector<Stop> stops = landed_all(requests);
                                                for (std::size_t i = 0; i < stops.size(); ++i)
@@ -273,7 +273,7 @@ TEST_CASE("a life is not forecast from what is no friction, nor from too little"
 
 TEST_CASE("the same seed gives the same lives, and they end when told to", "[STUDY-167]") {
     const wear::WearPlan plan = toy::plan(64, 0.3);
-    regulation::FleetOptions options{.lives = 6, .seed = 8, .missing = 0.05};
+    regulation::LivesOptions options{.lives = 6, .seed = 8, .missing = 0.05};
     const auto one = fleet(plan, options);
     std::size_t stops = 0;
     options.on_stops = [&stops](std::size_t done) { stops = done; };
@@ -297,9 +297,9 @@ TEST_CASE("the same seed gives the same lives, and they end when told to", "[STU
 }
 
 TEST_CASE("what goes wrong in a landing comes out", "[STUDY-167]") {
-    const regulation::FleetOptions options{.lives = 2, .scenarios = 4};
+    const regulation::LivesOptions options{.lives = 2, .scenarios = 4};
     const auto broken = [](std::span<const regulation::LandingRequest>) -> std::vector<Stop> { throw std::runtime_error("the aircraft is gone"); };
-    CHECK_THROWS_WITH(regulation::run_fleet(toy::plan(64, 0.3), {}, toy::kRange, {{.name = "regulated"}}, brake(1e9), options, broken),
+    CHECK_THROWS_WITH(regulation::run_lives(toy::plan(64, 0.3), {}, toy::kRange, {{.name = "regulated"}}, brake(1e9), options, broken),
                       ContainsSubstring("gone"));
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "plant_sim/lab/regulate_stops.hpp"
-#include "plant_sim/study/regulation/fleet.hpp"
+#include "plant_sim/study/regulation/lives.hpp"
 #include "tests/catch.hpp"
 
 using plant_sim::lab::land;
@@ -86,8 +86,8 @@ TEST_CASE("a short life in closed loop: brake and tyre are used up together, no 
     const double left_J = 48 * sites.mean_J();
     plan.brake_taken_J = plan.brake_life_J - 0.72 * left_J;
     plan.tyre_life_J = 0.28 * left_J;
-    regulation::FleetOptions options{.lives = 1, .seed = 3, .mix = regulation::Mix::balanced, .missing = 0.0, .scenarios = sites.sites.size()};
-    const auto all = run_fleet(plan, config.rules, config.range(), {{.name = "regulated"}}, brake, options,
+    regulation::LivesOptions options{.lives = 1, .seed = 3, .mix = regulation::Mix::balanced, .missing = 0.0, .scenarios = sites.sites.size()};
+    const auto all = run_lives(plan, config.rules, config.range(), {{.name = "regulated"}}, brake, options,
                                [&sites](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, 2); });
     const regulation::Life& life = all.front().lives.front();
     CAPTURE(life.brake_at_plan, life.tyre_at_plan, life.brought);

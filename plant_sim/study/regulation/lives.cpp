@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/fleet.hpp"
+#include "plant_sim/study/regulation/lives.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ wear::LiningLaw drawn_law(double lining_J, wear::Generator& generator) {
 }
 
 UnfinishedLife pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, const Policy& policy, const Truth& truth,
-                       const FleetOptions& options, std::uint64_t life, bool worst_stops) {
+                       const LivesOptions& options, std::uint64_t life, bool worst_stops) {
     constexpr std::size_t kBeyond = 4;  // times the plan: enough for a brake and a tyre with long lives
     const auto planned = static_cast<std::size_t>(plan.landings);
     LifeOptions own = options.each;
@@ -41,7 +41,7 @@ UnfinishedLife pair_of(const wear::WearPlan& plan, const wear::Rules& rules, con
 
 }  // namespace
 
-Truth truth_of(const wear::WearPlan& plan, const wear::BrakeWear& planned, const FleetOptions& options, std::uint64_t life) {
+Truth truth_of(const wear::WearPlan& plan, const wear::BrakeWear& planned, const LivesOptions& options, std::uint64_t life) {
     constexpr std::uint64_t kStream = 1U << 20U;  // beyond those of the lives' landings
     constexpr double kLeast = 0.1;
     wear::Generator generator = wear::generator_of(options.seed, kStream + life);
@@ -58,8 +58,8 @@ Truth truth_of(const wear::WearPlan& plan, const wear::BrakeWear& planned, const
     return truth;
 }
 
-std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
-                                   const std::vector<Policy>& policies, const wear::BrakeWear& brake, const FleetOptions& options,
+std::vector<PolicyLives> run_lives(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
+                                   const std::vector<Policy>& policies, const wear::BrakeWear& brake, const LivesOptions& options,
                                    const Lander& land) {
     std::vector<UnfinishedLife> pairs;  // all policies of the first life, then of the second
     pairs.reserve(static_cast<std::size_t>(options.lives) * policies.size());

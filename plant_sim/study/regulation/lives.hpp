@@ -11,7 +11,7 @@
 
 namespace regulation {
 
-struct FleetOptions {
+struct LivesOptions {
     int lives = 8;
     std::uint64_t seed = 1;
     Mix mix = Mix::random;
@@ -39,11 +39,11 @@ struct Truth {
     wear::BrakeWear brake;
     double tyre_life_J = 0.0;
 };
-[[nodiscard]] Truth truth_of(const wear::WearPlan& plan, const wear::BrakeWear& planned, const FleetOptions& options, std::uint64_t life);
+[[nodiscard]] Truth truth_of(const wear::WearPlan& plan, const wear::BrakeWear& planned, const LivesOptions& options, std::uint64_t life);
 
 /// All lives advance together by one landing, so that `land` gets many at once. Empty if it was stopped.
-[[nodiscard]] std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
-                                                 const std::vector<Policy>& policies, const wear::BrakeWear& brake, const FleetOptions& options,
+[[nodiscard]] std::vector<PolicyLives> run_lives(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
+                                                 const std::vector<Policy>& policies, const wear::BrakeWear& brake, const LivesOptions& options,
                                                  const Lander& land);
 
 struct Summary {
