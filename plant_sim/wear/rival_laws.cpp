@@ -116,9 +116,7 @@ Life live(Law law, const Settings& settings, std::uint64_t seed) {
     Life life;
     life.campaign.source = kLawNames.at(static_cast<std::size_t>(law));
     double c_e_J = 0.0;
-    // Patches are not there yet when the brake is new: low friction then is not wear.
-    constexpr std::size_t kRunIn = 20;
-    while (life.before.size() < kRunIn || brake.condition() >= settings.limit) {
+    while (life.before.size() < std::size_t{kRunIn} || brake.condition() >= settings.limit) {
         life.before.push_back(brake);
         const double energy_J = landing_energy_J(settings, generator);
         c_e_J += energy_J;

@@ -70,6 +70,9 @@ class Brake {
 
 [[nodiscard]] double landing_energy_J(const Settings& settings, Generator& generator);
 
+/// Landings of a new brake in which low friction is no wear: patches are not there yet.
+inline constexpr int kRunIn = 20;
+
 /// A brake from new to worn out.
 struct Life {
     Campaign campaign;
