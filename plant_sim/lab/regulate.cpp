@@ -206,6 +206,7 @@ LabVerb regulate_verb(CLI::App& lab) {
     settings::add_out(*verb, command->out, "directory for results.json, landings.csv, regulate.png");
     settings::add_config_directory(*verb, command->config);
     settings::add_threads(*verb, command->threads);
+    const LabVerb fleet = regulate_fleet_verb(*verb);
     verb->footer(
         "Examples:\n"
         "  rig-lab regulate\n"
@@ -215,7 +216,7 @@ LabVerb regulate_verb(CLI::App& lab) {
         "  rig-lab regulate --characterise config/regulation_floor.toml\n"
         "Exit status: 0 both limits met in every life where that was feasible, and no stop beyond the floor; 1 not so; 2 mistake on the command line "
         "or in a configuration file; 130 stopped by Ctrl-C.");
-    return {verb, [command] { return command->run(); }};
+    return {verb, [command, fleet] { return fleet.app->parsed() ? fleet.run() : command->run(); }};
 }
 
 }  // namespace plant_sim::lab

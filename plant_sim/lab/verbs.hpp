@@ -45,6 +45,8 @@ LabVerb soak_verb(CLI::App& lab);
 LabVerb sweep_verb(CLI::App& lab);
 /// Regulation of wear through the slip reference, over seeded lives.
 LabVerb regulate_verb(CLI::App& lab);
+/// Regulation of a fleet with one workshop.
+LabVerb regulate_fleet_verb(CLI::App& regulate);
 /// The cheapest fixed slip reference, from a sweep.
 LabVerb trade_verb(CLI::App& lab);
 /// Phase and gain margins of the slip loop.

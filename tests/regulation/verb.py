@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab regulate as its users meet it: results, exit status, threads, refusals. [STUDY-167]
+"""rig-lab regulate as its users meet it: results, exit status, threads, refusals. [STUDY-167] [STUDY-171]
 
 usage: verb.py RIG_LAB
 """
@@ -84,3 +84,23 @@ with tempfile.TemporaryDirectory() as scratch:
     check("fewer surfaces allow more", few["range"]["highest"] > results["range"]["highest"] + 0.01, few["range"])
     status, _, error = run("--regulation", scratch / "nowhere.toml")
     check("a plan that is not there is refused by name", status == 2 and "nowhere.toml" in error, error)
+
+    # A fleet.
+    few = ["fleet", "--aircraft", 2, "--fleets", 2, "--seed", 7]
+    status, text, progress = run(*few, "--out", scratch / "fleet", "--threads", 1)
+    check("a fleet", status == 0 and "of 15 fleets" in progress, text + progress)
+    check("each idea is judged", text.count(" +- ") >= 15 and "Moving wear so that visits do not collide" in text, text)
+    run(*few, "--out", scratch / "fleet_two", "--threads", 2)
+    for name in ("fleet.json", "visits.csv"):
+        check(f"{name}: the same bytes with two threads",
+              (scratch / "fleet" / name).read_bytes() == (scratch / "fleet_two" / name).read_bytes())
+    check("a picture of visits", (scratch / "fleet/fleet.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n")
+    fleet = json.loads((scratch / "fleet/fleet.json").read_text())
+    parts = ("brake", "tyre", "visit", "ground", "distance")
+    check("costs add up", all(abs(p["cost_per_landing"] - sum(p[part] for part in parts)) < 1e-9 for p in fleet["policies"]), fleet["policies"])
+    visits = list(csv.DictReader((scratch / "fleet/visits.csv").open()))
+    check("six fleets of two aircraft under every policy", {v["policy"] for v in visits} == {p["name"] for p in fleet["policies"]}
+          and {(v["fleet"], v["aircraft"]) for v in visits} == {(str(f), str(a)) for f in range(1, 7) for a in (1, 2)})
+    status, _, error = run("fleet", "--bays", 0)
+    check("a shop without a bay is refused", status == 2 and "--bays" in error, error)
+    check("Ctrl-C ends a fleet with 130", status_after(signal.SIGINT, "fleet", "--out", scratch / "stopped") == 130)
