@@ -99,6 +99,7 @@ struct RegulateFleetCommand {
         std::vector<Choice> all{regulation::choice_of(owner.floor, owner.rules.default_reference)};
         constexpr std::size_t kEvery = 2;  // of the table's references
         const std::vector<double> allowed = wear::references_in(owner.floor, owner.range());
+        all.reserve(1 + allowed.size());
         for (std::size_t i = 0; i < allowed.size(); i += kEvery) all.push_back(regulation::choice_of(owner.floor, allowed[i]));
         return all;
     }

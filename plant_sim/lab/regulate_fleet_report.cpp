@@ -106,7 +106,7 @@ std::string to_text(const FleetReport& r) {
         table.add(p.name, numbers_of(p), regulation::per_landing(p), fmt::format("{:.2f} +- {:.2f}", s.per_landing, s.standard_error), m.brake,
                   m.tyre, m.visit, m.ground, m.distance, 1e3 * m.visits, 1e3 * m.both, 1e3 * m.waiting_days);
     }
-    text += table.text() + "\nsaved a landing, against the same policy without it:\n";
+    text += table.text() + "\nsaved a landing, against the same policy without it, each with its own numbers:\n";
     for (const Question& q : kQuestions) {
         const Saving s = regulation::saving(named(r, q.with), named(r, q.without));
         text += fmt::format("  {}: {:.2f} +- {:.2f}, {}\n", q.idea, s.per_landing, s.standard_error, verdict(s));

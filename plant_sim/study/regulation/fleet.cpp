@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 namespace regulation {
 
@@ -63,7 +62,11 @@ class FleetDays {
         else if (policy_.visits == Visits::at_limit)
             m.due = std::numeric_limits<double>::infinity();
         else
-            m.due = economy_.landings_left(left, *m.choice) / rules_.landings_a_day - policy_.margin_days;
+            m.due = days_left(left, *m.choice);
+    }
+
+    [[nodiscard]] double days_left(const Pair& left, const Choice& choice) const {
+        return economy_.landings_left(left, choice) / rules_.landings_a_day - policy_.margin_days;
     }
 
     /// Those outside of the shop.
@@ -92,7 +95,7 @@ class FleetDays {
             if (m.grounded >= 0 || turns[i] <= m.due) continue;
             const Pair left = m.aircraft.left();
             m.choice = &economy_.lasting(left, *m.choice, (turns[i] + policy_.margin_days) * rules_.landings_a_day);
-            m.due = economy_.landings_left(left, *m.choice) / rules_.landings_a_day - policy_.margin_days;
+            m.due = days_left(left, *m.choice);
         }
     }
 

@@ -1,6 +1,7 @@
 #include "plant_sim/study/regulation/fleet_study.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <numeric>
@@ -50,7 +51,8 @@ std::vector<std::vector<FleetResult>> run_all(const FleetStudy& study, const Fle
             results[p][fleet] = run_fleet(k.kind, study.config.rules, k.economy, policies[p], seeds);
         }
         const std::scoped_lock lock(mutex);
-        if (study.on_fleets) study.on_fleets(before + ++done);
+        ++done;
+        if (study.on_fleets) study.on_fleets(before + done);
     };
     wear::run_jobs(study.threads, count, run_one, study.stop);
     if (done < count) return {};
@@ -79,9 +81,11 @@ std::vector<Entrant> entrants(const FleetStudy& study, const std::vector<Choice>
     for (std::size_t k = 0; k < kShares; ++k) by_surface.push_back(&all[k * (all.size() - 1) / (kShares - 1)]);
     const std::vector<const Choice*> standing{one.front()};
     const auto entrant = [](std::string name, const std::vector<const Choice*>& shares, const FleetPolicy& policy) {
+        constexpr std::array kMargins_days{0.0, 1.0, 2.0};
         Entrant e{std::move(name), {}};
+        e.variants.reserve(shares.size() * kMargins_days.size());
         for (const Choice* share : shares)
-            for (const double margin_days : {0.0, 1.0, 2.0})
+            for (const double margin_days : kMargins_days)
                 if (policy.visits != Visits::at_limit || margin_days == 0.0)
                     e.variants.push_back({share, policy.together, policy.visits, margin_days, policy.own_bay});
         return e;

@@ -12,6 +12,8 @@ namespace {
 Choice tabulated(const wear::SurfaceTable& table, const std::function<double(std::size_t surface)>& reference) {
     Choice choice;
     const auto count = static_cast<double>(table.rows.size());
+    choice.tyre_share.reserve(table.rows.size());
+    choice.distance_m.reserve(table.rows.size());
     for (std::size_t s = 0; s < table.rows.size(); ++s) {
         const wear::SurfaceTable::Row& row = table.rows[s];
         choice.tyre_share.push_back(table.at(row.tyre_share, reference(s)));
