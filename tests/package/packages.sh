@@ -32,7 +32,7 @@ tar -C "$project" --exclude=./build --exclude=./out -c . | tar -C "$scratch/else
 check "configuration elsewhere" quietly env -C "$scratch/elsewhere" cmake --preset release -DBUILD_TESTING=OFF
 mapfile -t drawn < <(/usr/bin/python3 -c "$draw" "$project" <"$scratch/elsewhere/build/release/compile_commands.json")
 expect "objects drawn" ${#drawn[@]} 8
-check "compiled elsewhere" quietly chrt --idle 0 ninja -C "$scratch/elsewhere/build/release" "${drawn[@]}"
+check "compiled elsewhere" quietly "$project/tests/idle.sh" ninja -C "$scratch/elsewhere/build/release" "${drawn[@]}"
 for object in "${drawn[@]}"; do
     check "$object has the same bytes" cmp "$scratch/elsewhere/build/release/$object" "$project/build/release/$object"
 done
