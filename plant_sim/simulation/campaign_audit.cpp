@@ -59,19 +59,18 @@ void CampaignAudit::finished(const Attempt& attempt, double counted_J) {
 
 ReadLog CampaignAudit::read(const Attempt& attempt) {
     Known& known = of(attempt);
-    const std::string_view bytes = disk_->bytes(attempt.folder / "bus.log");
-    if (known.log_read && bytes == known.log_bytes) return known.log;
-    const MemoryFile file(bytes);
+    const std::filesystem::path path = attempt.folder / "bus.log";
+    const std::uint64_t version = disk_->version(path);
+    if (version == known.log_version) return known.log;
     rig::replay::LogWarnings warnings("bus.log", {});
-    rig::replay::LogReader reader(file.path(), {}, warnings);
+    rig::replay::LogReader reader(rig::replay::LogText{disk_->bytes(path)}, {}, warnings);
     ReadLog log;
     for (rig::replay::LogFrame frame; reader.next(frame); ++log.frames)
         if (log.in_order == log.frames && log.in_order < known.frames.size() && same(frame.frame, known.frames[log.in_order])) ++log.in_order;
     log.steps_back = warnings.count(rig::replay::LogTrouble::time_backwards);
     log.damage_named = !warnings.damage().empty();
     known.log = reading_ ? reading_(log) : log;
-    known.log_bytes = bytes;
-    known.log_read = true;
+    known.log_version = version;
     return known.log;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -56,9 +57,8 @@ class CampaignAudit {
         bool entry_refused = false;                  ///< the ledger has rejected the maneuver's end
         double finished_J = 0.0;                     ///< energy in that report
         std::set<double> measured_J{};               ///< every energy measured, live or from its log
-        bool log_read = false;
-        std::string log_bytes{};  ///< contents at that time
-        ReadLog log{};            ///< result of that reading
+        std::optional<std::uint64_t> log_version{};  ///< of the contents when they were read last
+        ReadLog log{};                               ///< result of that reading
     };
     [[nodiscard]] Known& of(const rig::record::Attempt& attempt) { return known_[attempt.folder.string()]; }
     void begun(const rig::record::Attempt& attempt) { of(attempt).begun = disk_->runs(); }

@@ -49,7 +49,7 @@ class CellCampaign {
           audit_(disk_),
           account_(0.5 * setup.bridge.meter.flywheel_mass_kg * plan_.speed_mps * plan_.speed_mps),
           recomputed_(setup.bridge, disk_),
-          bus_(draw_, [this](const auto& end, const Frame& frame, bool damaged) { observe_frame(end, frame, damaged); }),
+          bus_(draw_),
           at_rig_(bus_.connect()),
           at_controller_(bus_.connect()),
           bridge_send_bus_(bus_.connect(true)),
@@ -62,6 +62,12 @@ class CellCampaign {
           controller_(setup.controller, layout_, period_, at_controller_) {
         disk_->use(gate_);
         bridge_receive_bus_.on_computer_of(bridge_send_bus_);
+        at_controller_.observe([this](const Frame& frame, bool damaged) {
+            if (!damaged) judge_.controller_received(frame);
+        });
+        at_rig_.observe([this](const Frame& frame, bool damaged) {
+            if (!damaged) judge_.rig_received(frame);
+        });
     }
 
     CellOutcome run() {
@@ -289,12 +295,6 @@ class CellCampaign {
     }
 
     // --- invariants ---
-
-    void observe_frame(const FaultyBus::End& end, const Frame& frame, bool damaged) {
-        if (damaged) return;
-        if (&end == &at_controller_) judge_.controller_received(frame);
-        if (&end == &at_rig_) judge_.rig_received(frame);
-    }
 
     void check_disk() {
         disk_->pause(true);

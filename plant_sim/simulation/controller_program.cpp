@@ -14,10 +14,9 @@ void ControllerProgram::period(antiskid::control::Time now) {
         port_.emplace(layout_, period_);
         missed_ = 0;
     }
-    std::array<Frame, 64> frames{};
-    for (std::size_t count = frames.size(); count == frames.size();) {
-        count = bus_.receive(frames);
-        for (std::size_t i = 0; i < count; ++i) port_->accept(frames[i]);
+    for (std::size_t count = frames_.size(); count == frames_.size();) {
+        count = bus_.receive(frames_);
+        for (std::size_t i = 0; i < count; ++i) port_->accept(frames_[i]);
     }
     port_->note_link(bus_.status());
     port_->note_missed_periods(std::exchange(missed_, 0U));

@@ -1,6 +1,7 @@
 /// The controller's program without its thread and clock: each call is one period of its loop.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -31,6 +32,7 @@ class ControllerProgram {
     antiskid::can::Bus& bus_;
     std::optional<antiskid::control::Controller> controller_;
     std::optional<antiskid::can::ControllerPort> port_;
+    std::array<antiskid::can::Frame, 64> frames_{};  // not cleared for each period
     std::uint32_t missed_ = 0;
 };
 

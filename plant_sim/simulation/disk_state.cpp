@@ -20,7 +20,7 @@ void change_bytes(const FileChange& change, std::string& to) {
         to.resize(change.offset);
         return;
     }
-    to.resize(std::max(to.size(), change.offset + change.bytes.size()));
+    if (to.size() < change.offset) to.resize(change.offset);
     to.replace(change.offset, change.bytes.size(), change.bytes);
 }
 
@@ -68,6 +68,12 @@ NodePointer DiskState::find(const std::string& path) const {
     return found == names.end() ? nullptr : found->second;
 }
 
+void DiskState::change(Node& node, FileChange by) {
+    change_bytes(by, node.now);
+    node.cached.push_back(std::move(by));
+    node.version = ++versions_;
+}
+
 std::int64_t DiskState::write(Node& node, const std::string& path, std::size_t offset, std::string_view bytes) {
     if (!runs) return -EIO;
     const auto fault = next(Kind::write);
@@ -75,9 +81,7 @@ std::int64_t DiskState::write(Node& node, const std::string& path, std::size_t o
     if (fault == DiskFault::no_space) return -said(what, path, ENOSPC);
     if (fault == DiskFault::refused) return -said(what, path, EIO);
     if (fault == DiskFault::short_write && bytes.size() > 1) bytes = bytes.substr(0, 1 + generator() % (bytes.size() - 1));
-    FileChange change{.offset = offset, .bytes = std::string(bytes)};
-    change_bytes(change, node.now);
-    node.cached.push_back(std::move(change));
+    change(node, {.offset = offset, .bytes = std::string(bytes)});
     if (trace && fault == DiskFault::short_write) trace(fmt::format("       only {} bytes of the next are taken", bytes.size()));
     return said(what, path, runs ? 0 : EIO) != 0 ? -EIO : static_cast<std::int64_t>(bytes.size());
 }
@@ -85,9 +89,7 @@ std::int64_t DiskState::write(Node& node, const std::string& path, std::size_t o
 int DiskState::truncate(Node& node, const std::string& path, std::size_t size) {
     if (!runs) return EIO;
     if (next(Kind::other)) return said("truncate", path, EIO);
-    FileChange change{.offset = size, .cuts = true};
-    change_bytes(change, node.now);
-    node.cached.push_back(std::move(change));
+    change(node, {.offset = size, .cuts = true});
     return said("truncate", path, 0);
 }
 
@@ -188,7 +190,9 @@ void DiskState::lose_cache() {
     const double share = kShares.at(generator() % kShares.size());
     for (const NodePointer& node : nodes_) {
         keep_some(*node, share);
+        if (node->now == node->stored) continue;
         node->now = node->stored;
+        node->version = ++versions_;
     }
     for (const NameChange& change : cached_names_)
         if (happens(share)) apply(change, stored_names_);

@@ -26,6 +26,7 @@ struct Node {
     std::string now{};     // content that programs see
     std::string stored{};  // content on the disk
     std::vector<FileChange> cached{};
+    std::uint64_t version = 0;  // of `now`, one for each content of any of the disk's files; 0: new and empty
 };
 using NodePointer = std::shared_ptr<Node>;
 
@@ -81,12 +82,14 @@ struct DiskState {
     int said(std::string_view what, const std::string& path, int error) const;
     /// Creates, renames or removes.
     int change_name(Kind kind, std::string_view what, const NameChange& change);
+    void change(Node& node, FileChange by);
     void apply(const NameChange& change, std::map<std::string, NodePointer>& to) const;
     void keep_some(Node& node, double share);
     void lose_cache();
     bool happens(double chance) { return wear::uniform(generator) < chance; }
 
     bool killed_ = false;
+    std::uint64_t versions_ = 0;
     std::map<std::string, NodePointer> stored_names_{};
     std::vector<NameChange> cached_names_{};
     std::vector<NodePointer> nodes_{};  // oldest first: a power cut draws for them in a reproducible order

@@ -9,11 +9,11 @@ using antiskid::can::Time;
 
 std::size_t FaultyBus::End::receive(std::span<Frame> frames) {
     std::size_t count = 0;
-    for (; count < frames.size() && !queue_.empty() && queue_.front().frame.received <= bus_.now_; ++count) {
-        frames[count] = queue_.front().frame;
-        bus_.observe_(*this, frames[count], queue_.front().damaged);
-        queue_.pop_front();
+    for (; count < std::min(frames.size(), queue_.size()) && queue_[count].frame.received <= bus_.now_; ++count) {
+        frames[count] = queue_[count].frame;
+        if (observer_) observer_(frames[count], queue_[count].damaged);
     }
+    queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(count));
     return count;
 }
 

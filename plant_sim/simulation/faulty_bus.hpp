@@ -6,6 +6,8 @@
 #include <array>
 #include <deque>
 #include <functional>
+#include <utility>
+#include <vector>
 
 #include "firmware/can/bus.hpp"
 #include "rig_bridge/wear/draw.hpp"
@@ -23,6 +25,9 @@ class FaultyBus {
 
     class End final : public antiskid::can::Bus {
       public:
+        /// Called with each frame that the end receives, and whether it was damaged.
+        using Observer = std::function<void(const antiskid::can::Frame& frame, bool damaged)>;
+
         End(FaultyBus& bus, bool send_only) : bus_(bus), send_only_(send_only) {}
         std::size_t receive(std::span<antiskid::can::Frame> frames) override;
         bool send(const antiskid::can::Frame& frame) override;
@@ -35,6 +40,7 @@ class FaultyBus {
         /// Sets the share of the frames sent to this end that get `fault`.
         void set_share(FrameFault fault, double share) { shares_.at(static_cast<std::size_t>(fault)) = share; }
         void clear_faults() { shares_.fill(0.0); }
+        void observe(Observer observer) { observer_ = std::move(observer); }
         /// Frames of `sender` always arrive undamaged: both ends are sockets of one computer, whose kernel echoes the frames.
         void on_computer_of(const End& sender) { neighbour_ = &sender; }
 
@@ -51,15 +57,13 @@ class FaultyBus {
         FaultyBus& bus_;
         bool send_only_;
         const End* neighbour_ = nullptr;
-        std::deque<Travelling> queue_;  // earliest first
+        Observer observer_;
+        std::vector<Travelling> queue_;  // earliest first; short, as it is emptied each period
         std::array<double, kFrameFaults> shares_{};
         antiskid::can::LinkStatus status_;
     };
 
-    /// Called with each frame that an end receives, and whether it was damaged.
-    using Observer = std::function<void(const End& end, const antiskid::can::Frame& frame, bool damaged)>;
-
-    FaultyBus(wear::Generator& draw, Observer observe) : draw_(draw), observe_(std::move(observe)) {}
+    explicit FaultyBus(wear::Generator& draw) : draw_(draw) {}
     FaultyBus(const FaultyBus&) = delete;
     FaultyBus& operator=(const FaultyBus&) = delete;
 
@@ -70,7 +74,6 @@ class FaultyBus {
 
   private:
     wear::Generator& draw_;
-    Observer observe_;
     std::deque<End> ends_;
     antiskid::can::Time now_{};
     std::array<std::uint64_t, kFrameFaults> fault_counts_{};

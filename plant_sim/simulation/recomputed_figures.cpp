@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "plant_sim/simulation/campaign_audit.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
@@ -14,9 +13,9 @@ std::vector<std::string> RecomputedFigures::check(std::span<const rig::record::L
     std::vector<std::string> wrong;
     for (const rig::record::LedgerRow& row : rows) {
         if (row.state != rig::record::RowState::finished || !seen_.insert(row.attempt.folder).second) continue;
-        const MemoryFile file(disk_->bytes(row.attempt.folder / "bus.log"));
+        const rig::replay::LogText log{disk_->bytes(row.attempt.folder / "bus.log")};
         rig::replay::LogWarnings warnings("bus.log", {});
-        const rig::replay::MeteredLog made = rig::replay::meter_log(file.path(), setup_.layout, setup_.meter, rig::replay::LogEnd::closed, warnings);
+        const rig::replay::MeteredLog made = rig::replay::meter_log(log, setup_.layout, setup_.meter, warnings);
         const rig::record::Summary written = rig::record::read_summary(row.attempt.folder / "summary.json", *disk_);
         const std::string what = fmt::format("maneuver {}, attempt {}", row.attempt.number, row.attempt.attempt);
         for (const rig::record::FigureField& field : rig::record::kFigureFields)

@@ -127,6 +127,11 @@ std::string_view SimulatedDisk::bytes(const fs::path& path) const {
     return node ? std::string_view(node->now) : std::string_view();
 }
 
+std::uint64_t SimulatedDisk::version(const fs::path& path) const {
+    const NodePointer node = state_->find(path.string());
+    return node ? node->version : 0;
+}
+
 settings::OpenResult SimulatedDisk::open(const fs::path& path) const {
     const auto scope = state_->gate->simulation();
     if (!state_->runs) return {.file = nullptr, .error = EIO};

@@ -70,6 +70,8 @@ class SimulatedDisk final : public settings::Storage {
 
     /// Present content of a file, without the copies that reading makes; valid until anything is changed. Empty: there is no such file.
     [[nodiscard]] std::string_view bytes(const std::filesystem::path& path) const;
+    /// Version of that content: while it is the same, so are the bytes.
+    [[nodiscard]] std::uint64_t version(const std::filesystem::path& path) const;
 
     [[nodiscard]] settings::OpenResult open(const std::filesystem::path& path) const override;
     [[nodiscard]] settings::OpenResult create(const std::filesystem::path& path) const override;

@@ -34,14 +34,20 @@ RegisterBank::RegisterBank(const RegisterMap& map)
     for (const Field& field : holding_fields(map)) static_cast<void>(holdings_.write(field, 0.0));
     const auto words = holdings_.words();
     std::copy(words.begin(), words.end(), mapping_->tab_registers);
-    write(map_, inputs_, MeasuredValues{});
+    write_inputs();
+}
+
+void RegisterBank::write_inputs() {
+    write(map_, inputs_, measured_);
     static_cast<void>(inputs_.write(map_.field(Measured::map_version), map_.version));
 }
 
 PlcCommands RegisterBank::exchange(const MeasuredValues& measured) {
     const std::lock_guard lock(mutex_);
-    write(map_, inputs_, measured);
-    static_cast<void>(inputs_.write(map_.field(Measured::map_version), map_.version));
+    if (measured != measured_) {  // it changes with each scan of the PLC, not with each period
+        measured_ = measured;
+        write_inputs();
+    }
     return commands_;
 }
 

@@ -33,6 +33,7 @@ class RegisterBank {
     Answer answer(modbus_t* context, std::span<const std::uint8_t> adu, std::size_t header, std::size_t checksum, bool silent);
 
   private:
+    void write_inputs();
     void fetch_inputs();
     void publish();
 
@@ -48,8 +49,9 @@ class RegisterBank {
 
     std::atomic<std::uint16_t> bridge_turn_{0};
 
-    std::mutex mutex_;  // guards what follows, held for copies only
-    RegisterImage inputs_;
+    std::mutex mutex_;      // guards what follows, held for copies only
+    RegisterImage inputs_;  // of measured_
+    MeasuredValues measured_{};
     PlcCommands commands_;
 };
 

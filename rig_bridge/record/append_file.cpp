@@ -45,7 +45,7 @@ void AppendFile::line(std::string_view text) {
             return;
         }
     }
-    buffer_.insert(buffer_.end(), text.begin(), text.end());
+    buffer_.append(text);
     buffer_.push_back('\n');
     ++lines_in_buffer_;
 }
@@ -54,7 +54,7 @@ void AppendFile::flush() {
     if (error_ != 0) return;
     std::size_t done = 0;
     while (done < buffer_.size()) {
-        const std::int64_t written = file_->append({buffer_.data() + done, buffer_.size() - done});
+        const std::int64_t written = file_->append(std::string_view(buffer_).substr(done));
         if (written <= 0) {
             // Complete lines that reached the disk count; an incomplete last one is cut off.
             const auto begin = buffer_.begin();

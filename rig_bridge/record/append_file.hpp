@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "firmware/host/settings/storage.hpp"
 #include "rig_bridge/record/line_file.hpp"
@@ -37,7 +36,7 @@ class AppendFile final : public LineFile {
 
     std::filesystem::path path_;
     std::unique_ptr<settings::File> file_;  // none: finished
-    std::vector<char> buffer_;
+    std::string buffer_;
     std::uint64_t lines_ = 0;
     std::uint64_t lines_in_buffer_ = 0;
     std::uint64_t missing_ = 0;

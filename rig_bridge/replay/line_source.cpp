@@ -22,7 +22,7 @@ void LineSource::Close::operator()(gzFile_s* file) const {
     gzclose_r(file);
 }
 
-LineSource::LineSource(const std::filesystem::path& file) : block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
+LineSource::LineSource(const std::filesystem::path& file) : block_(std::make_unique_for_overwrite<char[]>(kBlock)), bytes_(block_.get()) {
     std::error_code error;
     if (std::filesystem::is_directory(file, error)) throw std::runtime_error(file.string() + ": is a directory; expected a bus log");
     errno = 0;
@@ -33,7 +33,8 @@ LineSource::LineSource(const std::filesystem::path& file) : block_(std::make_uni
     if (!error) size_ = static_cast<double>(size);
 }
 
-LineSource::LineSource(int pipe) : file_(gzdopen(::fcntl(pipe, F_DUPFD_CLOEXEC, 0), "rb")), block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
+LineSource::LineSource(int pipe)
+    : file_(gzdopen(::fcntl(pipe, F_DUPFD_CLOEXEC, 0), "rb")), block_(std::make_unique_for_overwrite<char[]>(kBlock)), bytes_(block_.get()) {
     if (!file_) throw std::runtime_error(std::string("the pipe of a log's reader cannot be read: ") + std::strerror(errno));
 }
 
@@ -63,9 +64,9 @@ bool LineSource::refill() {
 
 bool LineSource::skip_long_line() {
     while (in_long_line_) {
-        const void* const found = std::memchr(block_.get() + begin_, '\n', end_ - begin_);
+        const void* const found = std::memchr(bytes_ + begin_, '\n', end_ - begin_);
         in_long_line_ = found == nullptr;
-        begin_ = found == nullptr ? end_ : static_cast<std::size_t>(static_cast<const char*>(found) - block_.get()) + 1;
+        begin_ = found == nullptr ? end_ : static_cast<std::size_t>(static_cast<const char*>(found) - bytes_) + 1;
         if (in_long_line_ && !refill()) return false;
     }
     return true;
@@ -75,7 +76,7 @@ bool LineSource::next(Line& line) {
     if (!skip_long_line()) return false;
     std::size_t searched = 0;
     for (;;) {
-        const char* const from = block_.get() + begin_;
+        const char* const from = bytes_ + begin_;
         const std::size_t size = end_ - begin_;
         const void* const found = size > searched ? std::memchr(from + searched, '\n', size - searched) : nullptr;
         if (found != nullptr) {
@@ -92,7 +93,7 @@ bool LineSource::next(Line& line) {
         searched = size;
         if (refill()) continue;
         if (begin_ == end_) return false;
-        line = {{block_.get() + begin_, end_ - begin_}, ++number_, false, false};
+        line = {{bytes_ + begin_, end_ - begin_}, ++number_, false, false};
         begin_ = end_;
         return true;
     }

@@ -1,4 +1,4 @@
-/// Reads lines of a file, plain or gzip (detected by its first bytes), or of a pipe, in constant memory.
+/// Reads lines of a file, plain or gzip (detected by its first bytes), or of a pipe, in constant memory; or lines of a text.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,11 @@
 struct gzFile_s;
 
 namespace rig::replay {
+
+/// A whole log in memory.
+struct LogText {
+    std::string_view bytes;
+};
 
 class LineSource {
   public:
@@ -28,6 +33,8 @@ class LineSource {
     explicit LineSource(const std::filesystem::path& file);
     /// Reads from a pipe; the caller keeps its descriptor.
     explicit LineSource(int pipe);
+    /// Reads `text`, which must outlive it.
+    explicit LineSource(LogText text) : bytes_(text.bytes.data()), end_(text.bytes.size()), at_end_(true) {}
 
     /// False at the end; check damage() then.
     [[nodiscard]] bool next(Line& line);
@@ -48,8 +55,9 @@ class LineSource {
     bool skip_long_line();
 
     std::unique_ptr<gzFile_s, Close> file_;
-    double size_ = 0.0;  // bytes
-    std::unique_ptr<char[]> block_;
+    double size_ = 0.0;              // bytes
+    std::unique_ptr<char[]> block_;  // none: a text
+    const char* bytes_;              // of the block, or the text
     std::size_t begin_ = 0;
     std::size_t end_ = 0;
     bool at_end_ = false;

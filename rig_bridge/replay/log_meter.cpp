@@ -68,19 +68,9 @@ void add_what_followed(MeteredLog& out, const record::Meter& meter, rig::Phase p
     out.warnings.push_back(text + ", " + record::in_no_record(max_J));
 }
 
-}  // namespace
-
-fs::path log_in(const fs::path& folder) {
-    for (const char* name : {"bus.log", "bus.log.gz"})
-        if (fs::exists(folder / name)) return folder / name;
-    return {};
-}
-
-MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, const record::MeterParameters& parameters, LogEnd end,
-                     LogWarnings& warnings) {
-    LogOptions options;
-    options.layout = &layout;
-    LogReader reader(log, options, warnings);
+/// `folder`: of kFoundLog, for a log that was left.
+MeteredLog meter_all(LogReader& reader, const antiskid::can::Layout& layout, const record::MeterParameters& parameters, LogEnd end,
+                     const fs::path& folder, const LogWarnings& warnings) {
     record::BusMeter meter(layout, parameters);
     LogFrame frame;
     while (reader.next(frame)) meter.accept(frame.frame);
@@ -92,9 +82,28 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, c
                    .faults = meter.faults(),
                    .frames = reader.frames(),
                    .lines = reader.lines()};
-    if (cut_off) add_what_followed(out, meter.meter(), phase, found_rig(log.parent_path() / kFoundLog, frame.frame.received, layout, parameters));
+    if (cut_off) add_what_followed(out, meter.meter(), phase, found_rig(folder / kFoundLog, frame.frame.received, layout, parameters));
     for (std::string& damage : warnings.damage()) out.warnings.push_back(std::move(damage));
     return out;
+}
+
+}  // namespace
+
+fs::path log_in(const fs::path& folder) {
+    for (const char* name : {"bus.log", "bus.log.gz"})
+        if (fs::exists(folder / name)) return folder / name;
+    return {};
+}
+
+MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, const record::MeterParameters& parameters, LogEnd end,
+                     LogWarnings& warnings) {
+    LogReader reader(log, {.interface = {}, .layout = &layout}, warnings);
+    return meter_all(reader, layout, parameters, end, log.parent_path(), warnings);
+}
+
+MeteredLog meter_log(LogText log, const antiskid::can::Layout& layout, const record::MeterParameters& parameters, LogWarnings& warnings) {
+    LogReader reader(log, {.interface = {}, .layout = &layout}, warnings);
+    return meter_all(reader, layout, parameters, LogEnd::closed, {}, warnings);
 }
 
 }  // namespace rig::replay

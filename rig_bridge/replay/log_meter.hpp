@@ -8,6 +8,7 @@
 
 #include "firmware/can/layout.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
+#include "rig_bridge/replay/line_source.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
 
 namespace rig::replay {
@@ -37,5 +38,8 @@ enum class LogEnd : std::uint8_t { closed, left };
 /// Throws std::runtime_error if the log cannot be opened.
 [[nodiscard]] MeteredLog meter_log(const std::filesystem::path& log, const antiskid::can::Layout& layout, const record::MeterParameters& parameters,
                                    LogEnd end, LogWarnings& warnings);
+/// Of a closed log in memory.
+[[nodiscard]] MeteredLog meter_log(LogText log, const antiskid::can::Layout& layout, const record::MeterParameters& parameters,
+                                   LogWarnings& warnings);
 
 }  // namespace rig::replay

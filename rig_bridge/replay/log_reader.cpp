@@ -32,12 +32,18 @@ std::unique_ptr<ForeignLog> open_foreign(const std::filesystem::path& file) {
 }  // namespace
 
 LogReader::LogReader(const std::filesystem::path& file, const LogOptions& options, LogWarnings& warnings)
-    : foreign_(open_foreign(file)),
-      source_(foreign_ ? LineSource(foreign_->lines()) : LineSource(file)),
-      warnings_(warnings),
-      interface_(options.interface.value_or("")),
-      with_layout_(options.layout != nullptr) {
-    if (options.layout == nullptr) return;
+    : foreign_(open_foreign(file)), source_(foreign_ ? LineSource(foreign_->lines()) : LineSource(file)), warnings_(warnings) {
+    set(options);
+}
+
+LogReader::LogReader(LogText text, const LogOptions& options, LogWarnings& warnings) : source_(text), warnings_(warnings) {
+    set(options);
+}
+
+void LogReader::set(const LogOptions& options) {
+    interface_ = options.interface.value_or("");
+    with_layout_ = options.layout != nullptr;
+    if (!with_layout_) return;
     for (const antiskid::can::Message& message : options.layout->messages)
         if (message.bound) known_.set(message.id);
 }

@@ -45,6 +45,8 @@ class LogReader {
   public:
     /// Throws std::runtime_error naming the file if it cannot be opened or is an MDF recording. `warnings` must outlive the reader.
     LogReader(const std::filesystem::path& file, const LogOptions& options, LogWarnings& warnings);
+    /// Reads a log of candump's format in memory, which must outlive the reader.
+    LogReader(LogText text, const LogOptions& options, LogWarnings& warnings);
 
     /// The next frame; false at the end. Throws std::runtime_error naming the file and the remedy if python3-can is missing.
     [[nodiscard]] bool next(LogFrame& out);
@@ -57,6 +59,7 @@ class LogReader {
     [[nodiscard]] const std::string& interface() const { return interface_; }
 
   private:
+    void set(const LogOptions& options);
     /// False if the line is not used; a warning has then been added.
     bool take(const LineSource::Line& line, LogFrame& out);
     void reject(const LineSource::Line& line, const antiskid::can::CandumpFailure& failure);
@@ -69,7 +72,7 @@ class LogReader {
     LineSource source_;
     LogWarnings& warnings_;
     std::string interface_;
-    bool with_layout_;
+    bool with_layout_ = false;
     std::bitset<2048> known_;
     std::bitset<2048> said_;  // foreign identifiers
     Time newest_{};

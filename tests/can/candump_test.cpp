@@ -121,6 +121,19 @@ TEST_CASE("numbers of a line at their limits", "[CAN-050]") {
     CHECK_FALSE(std::get<CandumpFailure>(parse_candump("(1.0) vcan0 123")).fd);
 }
 
+TEST_CASE("each character of a line's time is judged", "[CAN-050]") {
+    const std::string line = "(1436509053.650713) vcan0 1A0#0011";
+    REQUIRE(std::holds_alternative<CandumpLine>(parse_candump(line)));
+    for (std::size_t at = 0; at < 20; ++at) {
+        for (const char wrong : {'/', ':', '?', ',', 'p', '\x10', '\xB5'}) {
+            std::string text = line;
+            text[at] = wrong;
+            INFO(text);
+            CHECK(std::holds_alternative<CandumpFailure>(parse_candump(text)));
+        }
+    }
+}
+
 TEST_CASE("a line that just fits is written, one that does not leaves its neighbours alone", "[CAN-050]") {
     const Frame frame{.id = 0x1A0, .length = 2, .data = {0, 0x11}, .received = {}};
     const std::string wanted = "(0000000001.000002) vcan0 1A0#0011";

@@ -44,6 +44,26 @@ void expect(const Reading& reading, const std::vector<antiskid::can::Frame>& fra
 
 }  // namespace
 
+TEST_CASE("a log in memory is read as its file is", "[BRG-300]") {
+    const TempDir dir;
+    std::mt19937_64 random(3002);
+    std::vector<antiskid::can::Frame> frames;
+    const std::string text = random_log(random, 5'000, frames);
+    for (const std::string& log : {text, text.substr(0, text.size() - 3), "nothing\n" + text, std::string(9000, '\0') + text, std::string()}) {
+        rig::replay::LogWarnings warnings("bus.log", {});
+        rig::replay::LogReader reader(rig::replay::LogText{log}, {}, warnings);
+        const Reading file(dir.write("bus.log", log));
+        std::size_t read = 0;
+        for (rig::replay::LogFrame frame; reader.next(frame); ++read) {
+            REQUIRE(read < file.frames.size());
+            CHECK(frame.line == file.frames[read].line);
+            CHECK(frame.frame.data == file.frames[read].frame.data);
+        }
+        CHECK(read == file.frames.size());
+        CHECK(warnings.summary() == file.warnings.summary());
+    }
+}
+
 TEST_CASE("a log gives its frames in order, plain and gzip alike, over many blocks", "[BRG-300]") {
     const TempDir dir;
     std::mt19937_64 random(3001);

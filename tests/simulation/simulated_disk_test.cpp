@@ -123,3 +123,29 @@ TEST_CASE("a killed program loses nothing that it wrote, until the power is cut"
     }
     CHECK(left.size() > 2);
 }
+
+TEST_CASE("while a file's version is the same, so are its bytes", "[BRG-700]") {
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+        const SimulatedDisk disk(seed);
+        const auto file = new_file(disk, "/log");
+        REQUIRE(disk.sync_directory("/") == 0);
+        std::uint64_t version = disk.version("/log");
+        std::string bytes;
+        const auto same_bytes_if_same_version = [&] {
+            if (disk.version("/log") == version) CHECK(disk.bytes("/log") == bytes);
+            version = disk.version("/log");
+            bytes = disk.bytes("/log");
+        };
+        for (const char c : {'a', 'b', 'c'}) {
+            CHECK(file->append(std::string(5000, c)) == 5000);
+            CHECK(disk.version("/log") != version);
+            same_bytes_if_same_version();
+            if (c == 'a') CHECK(file->sync() == 0);
+            CHECK(disk.version("/log") == version);
+        }
+        CHECK(file->truncate(12000) == 0);
+        same_bytes_if_same_version();
+        disk.restart();
+        same_bytes_if_same_version();
+    }
+}
