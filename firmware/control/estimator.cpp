@@ -20,6 +20,7 @@ Estimator::Estimator(const Config& config)
       flywheel_radius_m_(config.flywheel.radius_m),
       period_s_(config.period_s),
       brake_gain_(config.wheel.brake_gain_m3 / config.wheel.inertia_kgm2),
+      half_gain_(0.5F * brake_gain_),
       lift_per_stiffness_(config.wheel.lift_Ns2pm2 / config.wheel.stiffness_Npm),
       wheel_speed_(config.wheel.encoder.teeth),
       flywheel_speed_(config.flywheel.encoder.teeth),
@@ -27,7 +28,9 @@ Estimator::Estimator(const Config& config)
       prediction_share_(config.observer.prediction_share),
       flywheel_tracker_(config.estimator.aircraft_bandwidth_radps, config.flywheel.encoder),
       valve_model_(config.valve, config.period_s, config.estimator),
-      standing_radius_m_(config.wheel.nominal_radius_m) {}
+      standing_radius_m_(config.wheel.nominal_radius_m) {
+    estimate_.brake_gain = brake_gain_;
+}
 
 /// A wheel that rolls freely shows its radius: v / omega. Not during braking (slip) or spin-up (acceleration), and not in the air, where it turns at
 /// any speed.
@@ -50,13 +53,12 @@ inline void Estimator::look_ahead(float v_mps) {
     // As repeated WheelSteps with the speed changes added up: a wheel that would stop in between stops at the end.
     const WheelStep step(believed, period_s_);
     const float follows = believed * step.acting_s();
-    const float half_gain = 0.5F * brake_gain_;
     WheelMotion late = wheel_observer_.motion();
     PressureState pressure = e.pressure;
     float excess_radps2 = 0.0F;
     for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
         const PressureState next = valve_model_.after(pressure, period);
-        const float excess = late.road_radps2 - half_gain * (pressure.pressure_Pa + next.pressure_Pa) - steady_radps2_;
+        const float excess = late.road_radps2 - half_gain_ * (pressure.pressure_Pa + next.pressure_Pa) - steady_radps2_;
         late.road_radps2 -= follows * excess;
         excess_radps2 += excess;
         pressure = next;
@@ -79,13 +81,12 @@ const Estimate& Estimator::update(const Sensors& sensors, float held_Pa) {
     flywheel_reading_ = flywheel_speed_.update(sensors.flywheel);
     wheel_reading_ = wheel_speed_.update(sensors.wheel);
     flywheel_tracker_.update(flywheel_reading_, period_s_);
-    wheel_observer_.update(wheel_reading_, {.brake_radps2 = brake_gain_ * 0.5F * (before_Pa + pressure.pressure_Pa),
+    wheel_observer_.update(wheel_reading_, {.brake_radps2 = half_gain_ * (before_Pa + pressure.pressure_Pa),
                                             .brake_now_radps2 = brake_gain_ * pressure.pressure_Pa,
                                             .steady_radps2 = steady_radps2_});
 
     Estimate& e = estimate_;
     e.speeds_known = wheel_reading_.valid && flywheel_reading_.valid;
-    e.brake_gain = brake_gain_;
     e.v_mps = flywheel_tracker_.speed() * flywheel_radius_m_;
     e.v_dot_mps2 = flywheel_tracker_.acceleration() * flywheel_radius_m_;
     e.omega_radps = wheel_observer_.motion().omega_radps;

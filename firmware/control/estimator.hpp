@@ -35,6 +35,7 @@ class Estimator {
     float flywheel_radius_m_;
     float period_s_;
     float brake_gain_;  // k_b / J_w
+    float half_gain_;   // for a mean of two pressures
     float lift_per_stiffness_;
     SpeedEstimator wheel_speed_;
     SpeedEstimator flywheel_speed_;

@@ -38,6 +38,9 @@ Monitor::Monitor(const Config& config)
       hardest_brake_(config.wheel.hardest_brake),
       released_Pa_(config.supervisor.residual_pressure_Pa),
       period_s_(config.period_s),
+      acted_keeps_(1.0F - config.period_s / config.monitor.off_command_s),
+      slower_(1.0F - config.monitor.overspeed_share),
+      faster_(1.0F + config.monitor.overspeed_share),
       compensated_share_(config.estimator.valve_offset_share),
       wheel_arrival_(config.monitor.sensor_max_age_s, config.period_s),
       flywheel_arrival_(config.monitor.sensor_max_age_s, config.period_s),
@@ -108,21 +111,21 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only slows a wheel that is faster than the aircraft. Residual
     // pressure may drag, and torque stored in the carcass by brake or road is released.
     const float brakes_Pa = larger(larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa()), released_Pa_);
-    acted_radps2_ = larger(larger(e.brake_gain * brakes_Pa, e.road_radps2), acted_radps2_ * (1.0F - period_s_ / config_.off_command_s));
+    acted_radps2_ = larger(larger(e.brake_gain * brakes_Pa, e.road_radps2), acted_radps2_ * acted_keeps_);
     const float fall = hardest_brake_ * acted_radps2_;
     const float freely = e.v_mps / e.radius_m;
     const float surely = smaller(reading.speed_radps, e.omega_radps) - fall * reading.interval_s;
     wheel_.min = rolls ? smaller(larger(surely, wheel_.min - fall * period_s_), freely) : 0.0F;
     constexpr float kSlow = 3.0F;  // times as fast as speeds are compared: a slower wheel swings by as much as it turns
     const bool falls =
-        reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.min && wheel_.min * e.radius_m > kSlow * config_.plausible_above_mps;
+        reading.speed_radps < slower_ * wheel_.min && wheel_.min * e.radius_m > kSlow * config_.plausible_above_mps;
     if (wrong.empty()) wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
     if (reading.fresh || (reading.bounded && falls)) take_reading(wheel_.reading, wrong, Fault::wheel_lost);
 
     // By the command, not by the reading: on ice the braking pressure itself is within the transducer's error.
     const float model_Pa = estimator.uncorrected_pressure_Pa();
     const float rim = e.omega_radps * e.radius_m;
-    const bool hurries = rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
+    const bool hurries = rim > e.v_mps * faster_ && rim > config_.plausible_above_mps;
     // A wheel that spins up again slips legitimately.
     const bool hardly_braked = model_Pa < config_.hardly_braked_Pa;
     const bool slips = rolls && hardly_braked && e.slip > config_.free_slip && magnitude(e.omega_dot_radps2) * e.radius_m < config_.steady_mps2;
@@ -148,8 +151,8 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     const float fastest_mps = larger(reads_mps, e.v_mps);
     const bool held = lands && !flywheel_.reading.found().contains(Fault::flywheel_rate);
     max_mps_ = held ? smaller(fastest_mps, max_mps_ + step_mps) : fastest_mps;
-    const bool falls = reads_mps < (1.0F - config_.overspeed_share) * flywheel_.min && reading.valid && flywheel_.min > config_.plausible_above_mps;
-    const bool jumps = reads_mps > (1.0F + config_.overspeed_share) * max_mps_ && reads_mps > config_.plausible_above_mps;
+    const bool falls = reads_mps < slower_ * flywheel_.min && reading.valid && flywheel_.min > config_.plausible_above_mps;
+    const bool jumps = reads_mps > faster_ * max_mps_ && reads_mps > config_.plausible_above_mps;
     if (!wrong.contains(Fault::flywheel_range)) wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, jumps));
     // A reading that stays for several periods counts once, otherwise its noise would count several times.
     if (reading.fresh || (reading.bounded && falls)) take_reading(flywheel_.reading, wrong, Fault::flywheel_lost);

@@ -11,7 +11,12 @@ float chord_per_s(const Estimate& e) {
 }
 }  // namespace
 
-SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), period_s_(period_s) {}
+SlipLaw::SlipLaw(const SlipConfig& config, float period_s)
+    : config_(config),
+      period_s_(period_s),
+      reference_step_(config.reference_rate_per_s * period_s),
+      min_share_(config.earliest_peak_slip / kMaxSlipReference),
+      early_rate_per_s_(config.early_slip_rate_per_s - config.max_slip_rate_per_s) {}
 
 void SlipLaw::start(const Estimate& estimate) {
     reference_ = larger(estimate.slip, 0.0F);
@@ -25,7 +30,7 @@ void SlipLaw::start(const Estimate& estimate) {
 /// reference to the earliest peak of friction; every smaller reference then ends before that peak.
 void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
     const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
-    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, config_.earliest_peak_slip / kMaxSlipReference, 1.0F);
+    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, min_share_, 1.0F);
 }
 
 /// Increases the share of the reference while the road is restoring, reduces it while the wheel runs away.
@@ -53,7 +58,7 @@ float SlipLaw::earliness(float slip) const {
 }
 
 float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ceiling_Pa) {
-    reference_ = towards(reference_, smaller(falling, allowed), config_.reference_rate_per_s * period_s_);
+    reference_ = towards(reference_, smaller(falling, allowed), reference_step_);
     scheduled_reference_ = larger(reference_, falling);
 
     // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by this factor.
@@ -64,7 +69,7 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float early = earliness(e.slip);
     const float along_chord = early > 0.0F ? early * chord_per_s(e) : 0.0F;
     const float restoring = larger(config_.k_pole * larger(e.wheel_pole_radps, 0.0F), along_chord);
-    const float max_rate = config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
+    const float max_rate = config_.max_slip_rate_per_s + early * early_rate_per_s_;
     const float wanted_rate = (config_.k_p_per_s + restoring) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
     const float wanted_Pa = e.late_balance_Pa + smaller(wanted_rate, max_rate) / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);

@@ -50,6 +50,9 @@ class SlipLaw {
 
     SlipConfig config_;
     float period_s_;
+    float reference_step_;    // that a period may change the reference by
+    float min_share_;
+    float early_rate_per_s_;  // by which the largest slip rate is higher without slip
     float reference_ = 0.0F;
     float scheduled_reference_ = 0.0F;
     float integral_ = 0.0F;          // of the slip error times k_i, 1/s

@@ -7,13 +7,16 @@ constexpr float kFullTurn = 6.28318531F;
 constexpr float kMinNoise_radps = 0.02F;  // of a reading: the clock's resolution
 constexpr float kMinPole_radps = -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
 constexpr float kMaxPole_radps = 6000.0F;
+constexpr float kMinTurn_radps = 15.0F;  // slower, a line at the wheel's turns cannot be told from the rest
 }  // namespace
 
 WheelObserver::WheelObserver(const ObserverConfig& config, const WheelConfig& wheel, float period_s)
     : config_(config),
       max_radps_(wheel.encoder.max_speed_radps),
       max_radps2_(wheel.encoder.max_acceleration_radps2),
-      pitch_rad_(kFullTurn / wheel.encoder.teeth),
+      reading_noise_rad_(config.reading_noise * (kFullTurn / wheel.encoder.teeth)),
+      road_variance_(config.road_noise_radps2 * config.road_noise_radps2 * period_s),
+      max_mean_innovation_2_(config.max_mean_innovation * config.max_mean_innovation),
       reject_timeout_s_(wheel.encoder.reject_timeout_s),
       hardest_brake_(wheel.hardest_brake),
       period_s_(period_s),
@@ -56,7 +59,7 @@ void WheelObserver::predict(const Drive& drive) {
     ww_ = ww + f * wt + w_a * wa + kSpeedNoise * kSpeedNoise * h;
     wt_ = keeps * wt + t_a * wa;
     wa_ = wa;
-    tt_ = keeps * tt + t_a * ta + config_.road_noise_radps2 * config_.road_noise_radps2 * h;
+    tt_ = keeps * tt + t_a * ta + road_variance_;
     ta_ = ta;
     if (aa_ < kMaxVariance) aa_ += pole_noise * pole_noise * h;
 }
@@ -66,7 +69,7 @@ bool WheelObserver::is_another_road(float innovation, float since_s, float varia
     constexpr float kMemory_s = 0.008F;
     mean_innovation_ += (innovation - mean_innovation_) * since_s / (kMemory_s + since_s);
     const float of_mean = variance * since_s / (2.0F * kMemory_s);
-    return mean_innovation_ * mean_innovation_ > config_.max_mean_innovation * config_.max_mean_innovation * of_mean;
+    return mean_innovation_ * mean_innovation_ > max_mean_innovation_2_ * of_mean;
 }
 
 void WheelObserver::forget_road(float reading_variance) {
@@ -88,7 +91,7 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     const float rate = motion_.omega_radps > 0.0F ? motion_.road_radps2 - drive.brake_now_radps2 : 0.0F;
     const float innovation = reading.speed_radps - (motion_.omega_radps - rate * age);
     const float since = larger(reading.interval_s, period_s_);
-    const float noise = config_.reading_noise * pitch_rad_ / since;
+    const float noise = reading_noise_rad_ / since;
     // A wheel slows by brake torque alone, or by what that or the road have wound up in a carcass: a gap where teeth are missing is no slip.
     constexpr float kWild = 4.0F;  // standard deviations: chance alone takes one sound reading in 16,000 there
     const float acts_radps2 = innovation < 0.0F ? larger(drive.brake_now_radps2, motion_.road_radps2) : max_radps2_;
@@ -105,11 +108,14 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     // An upper bound only shows that the wheel is slower. Used as a reading of an accelerating wheel it would be late, and explained by an ever
     // larger pole of the wheel.
     const float k_a = reading.fresh ? a * per_variance : 0.0F;
+    // A torque that comes with every turn of the discs moves the slip, and is taken for road torque that moves against it: for a road beyond its peak.
+    const bool turns = reading.fresh && motion_.omega_radps > kMinTurn_radps;
+    const float of_road = turns ? line_.without(innovation, reading.speed_radps * reading.interval_s, since) : innovation;
     // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not lead to a larger correction.
     const float at_most = larger(motion_.omega_radps, 2.0F * reading.speed_radps);
     motion_.omega_radps = limited(motion_.omega_radps + k_w * innovation, 0.0F, at_most);
     motion_.road_radps2 = limited(motion_.road_radps2 + k_t * innovation, -max_radps2_, max_radps2_);
-    wheel_pole_radps_ = limited(wheel_pole_radps_ + k_a * innovation, kMinPole_radps, kMaxPole_radps);
+    wheel_pole_radps_ = limited(wheel_pole_radps_ + k_a * of_road, kMinPole_radps, kMaxPole_radps);
     // Rounding must not make a variance negative.
     ww_ = larger(ww_ - k_w * w, 1e-6F);
     wt_ -= k_w * t;

@@ -13,6 +13,7 @@
 #include "firmware/control/arithmetic.hpp"
 #include "firmware/control/config.hpp"
 #include "firmware/control/speed_estimator.hpp"
+#include "firmware/control/turn_line.hpp"
 
 namespace antiskid::control {
 
@@ -74,7 +75,9 @@ class WheelObserver {
     ObserverConfig config_;
     float max_radps_;
     float max_radps2_;
-    float pitch_rad_;
+    float reading_noise_rad_;      // of an edge's place
+    float road_variance_;          // that a period adds
+    float max_mean_innovation_2_;  // its square
     float reject_timeout_s_;
     float hardest_brake_;
     float period_s_;
@@ -84,6 +87,7 @@ class WheelObserver {
     // Covariance, upper triangle: w speed, t road, a pole.
     float ww_ = 0.0F, wt_ = 0.0F, wa_ = 0.0F, tt_ = 0.0F, ta_ = 0.0F, aa_ = 0.0F;
     float mean_innovation_ = 0.0F;
+    TurnLine line_;
     float since_accepted_s_ = 0.0F;
     bool started_ = false;
     bool another_road_ = false;

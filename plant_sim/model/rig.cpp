@@ -22,6 +22,7 @@ Rig::Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed
         compliant_->set_surface(parameters.surface, spun_up_);
         compliant_->settle(state_);
     }
+    if (parameters.clamping.any()) clamp_.emplace(parameters.clamping);
 }
 
 /// The surface under the wheel is constant within a step: 6 cm at 61 m/s.
@@ -137,14 +138,16 @@ LoadArc Rig::load_arc(double h) {
 Forces Rig::forces() const {
     const rig::LoadParameters& law = parameters_.load;
     const LoadArc now = law.lag_s > 0.0 ? LoadArc{device_load_N_, 0.0, 0.0} : contact_ ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2} : LoadArc{};
-    return compliant_ ? compliant_->forces(state_, pressure_Pa_, now) : dynamics_.forces(state_, pressure_Pa_, now);
+    const double pressure_Pa = clamp_ ? clamp_->pressure_Pa(state_.angle_rad) : pressure_Pa_;
+    return compliant_ ? compliant_->forces(state_, pressure_Pa, now) : dynamics_.forces(state_, pressure_Pa, now);
 }
 
 void Rig::move(const PressureArc& pressure, const LoadArc& load, double h) {
+    const PressureArc clamping = clamp_ ? clamp_->follow(pressure, state_.angle_rad, state_.angle_rad + state_.omega_radps * h) : pressure;
     if (compliant_)
-        compliant_->advance(state_, pressure, load, h);
+        compliant_->advance(state_, clamping, load, h);
     else
-        dynamics_.advance(state_, pressure, load, h);
+        dynamics_.advance(state_, clamping, load, h);
 }
 
 void Rig::sense(double wheel_before, double flywheel_before, double since_s) {

@@ -14,6 +14,7 @@
 #include <span>
 
 #include "plant_sim/model/brake.hpp"
+#include "plant_sim/model/clamp.hpp"
 #include "plant_sim/model/compliant_wheel.hpp"
 #include "plant_sim/model/drag.hpp"
 #include "plant_sim/model/encoder.hpp"
@@ -113,7 +114,7 @@ class Rig {
   private:
     friend class RigLanes;
     /// Whether RigLanes can compute this wheel beside others.
-    [[nodiscard]] bool plain() const { return !compliant_ && parameters_.runway.patches.empty(); }
+    [[nodiscard]] bool plain() const { return !compliant_ && !clamp_ && parameters_.runway.patches.empty(); }
 
     /// An unfinished step: valve and load are advanced, the wheel is not.
     struct Step {
@@ -137,6 +138,7 @@ class Rig {
     rig::RigParameters parameters_;
     Wheel dynamics_;
     std::optional<CompliantWheel> compliant_;  // used instead of dynamics_ for compliant parts, and where friction is not eq. (4)
+    std::optional<Clamp> clamp_;           // used for a brake whose torque is not in proportion to its pressure
     Play play_;
     Valve valve_;
     Encoder wheel_encoder_;

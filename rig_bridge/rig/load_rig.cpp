@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "firmware/host/settings/settings.hpp"
@@ -22,9 +23,13 @@ using settings::Table;
 constexpr std::array<std::string_view, 3> kFrictionClasses{"light", "medium", "heavy"};
 
 Surface surface(const Table& t) {
-    if (t.has("magic_formula")) {
-        for (const char* key : {"c1", "c2", "c3"})
-            if (t.has(key)) t.fail(key, "stands beside 'magic_formula'; expected c1, c2 and c3, or magic_formula = { B, C, D, E }");
+    constexpr const char* kExpected = "expected c1, c2 and c3, or magic_formula = { B, C, D, E }";
+    constexpr std::array<const char*, 3> kEquation4{"c1", "c2", "c3"};
+    const auto* const key = std::ranges::find_if(kEquation4, [&t](const char* name) { return t.has(name); });
+    const bool magic = t.has("magic_formula");
+    if (magic && key != kEquation4.end()) t.fail(*key, std::string("stands beside 'magic_formula'; ") + kExpected);
+    if (!magic && key == kEquation4.end()) t.fail("c1", std::string("missing; ") + kExpected);
+    if (magic) {
         const Table m = t.table("magic_formula");
         return {.name = t.name(),
                 .magic = MagicFormula{.B = m.number("B", {.min = 0.5, .max = 1000.0}),
@@ -116,6 +121,16 @@ BrakeGeometry brake(const Table& t) {
             .effective_radius_m = t.number("effective_radius_m", {.min = 0.01, .max = 2.0})};
 }
 
+Clamping clamping(const Table& brake) {
+    const std::optional<Table> t = brake.find_table("clamping");
+    if (!t) return {};
+    constexpr settings::Range kShare{.min = 0.0, .max = 0.45};
+    return {.contact_Pa = t->number("contact_Pa", {.min = 0.0, .max = 1e7}),
+            .piston_friction = t->number("piston_friction", kShare),
+            .run_out = t->number("run_out", kShare),
+            .warp = t->number("warp", kShare)};
+}
+
 /// Curve of one class relative to its mean.
 FrictionCurve relative_curve(const Table& t, std::string_view name) {
     FrictionCurve curve{};
@@ -194,6 +209,7 @@ RigParameters common_parts(const Table& root, std::size_t friction_class, const 
     return {.wheel = rolling,
             .load = {},
             .brake = brake(brake_table),
+            .clamping = clamping(brake_table),
             .friction_curve = friction_curve(brake_table.table("relative_friction"), friction_class, friction),
             .mean_friction = friction,
             .valve = valve(valve_table),

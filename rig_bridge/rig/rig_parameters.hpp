@@ -1,6 +1,7 @@
 /// Parameters of a rig: wheel, load, brake, valve and sensors.
 #pragma once
 
+#include "rig_bridge/rig/clamping.hpp"
 #include "rig_bridge/rig/compliance.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
 #include "rig_bridge/rig/pressure_map.hpp"
@@ -59,6 +60,7 @@ struct RigParameters {
     WheelParameters wheel;
     LoadParameters load;
     BrakeGeometry brake;
+    Clamping clamping{};
     FrictionCurve friction_curve{};
     double mean_friction = 0.0;  ///< mean mu_b of the maneuver
     ValveParameters valve;

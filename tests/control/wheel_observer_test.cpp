@@ -87,6 +87,31 @@ TEST_CASE("speed, road torque and the wheel's pole are found", "[CTL-300]") {
     CHECK(sum / counted == Approx(pole).epsilon(0.3).margin(12.0));
 }
 
+TEST_CASE("discs that are not true do not make a road look as if it were beyond its peak", "[CTL-302]") {
+    // A torque of which the observer is not told: a sine of the wheel's angle, and a bump of an eighth of a turn, which is no sine.
+    const bool bump = GENERATE(false, true);
+    const double share = GENERATE(0.03, 0.10);
+    const double pole = 60.0;
+    Wheel wheel{.wheel_pole_radps = pole};
+    WheelObserver observer = started(wheel.omega_radps);
+    double angle = 0.0, sum = 0.0;
+    int counted = 0;
+    for (int i = 0; i < 6000; ++i) {
+        angle += wheel.omega_radps * kOnce_s;
+        const double of_turn = angle / 6.283185307179586 - std::floor(angle / 6.283185307179586);
+        const double more = bump ? (of_turn < 0.125 ? 1.0 : 0.0) : std::sin(angle);
+        const double brake = brake_radps2(3000.0, i);
+        const double mean = wheel.turn(brake * (1.0 + share * more));
+        observer.update(reading(mean), drive(brake));
+        if (i < 3000) continue;
+        sum += static_cast<double>(observer.wheel_pole_radps());
+        ++counted;
+    }
+    INFO(share << (bump ? " bump" : " sine") << ", found " << sum / counted);
+    CHECK(sum / counted > 0.5 * pole);
+    CHECK(sum / counted < 1.5 * pole);
+}
+
 TEST_CASE("a pole without noise is known, and stays what it is", "[CTL-300]") {
     ObserverConfig known = fixed_config().observer;
     known.pole_noise = 0.0F;
@@ -324,14 +349,16 @@ TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") 
     ObserverConfig config = fixed_config().observer;
     config.max_mean_innovation = 1e6F;  // the textbook knows no other road
     WheelObserver observer(config, fixed_config().wheel, 1e-3F);
-    Wheel wheel{.wheel_pole_radps = pole};
+    // The brake swings far below the wheel's turns: the textbook knows no line either.
+    constexpr double kTurns_radps = 300.0;
+    Wheel wheel{.wheel_pole_radps = pole, .omega_radps = kTurns_radps};
     observer.update(reading(wheel.omega_radps), drive(0.0));
     Textbook textbook{.x = {wheel.omega_radps, 0.0, 50.0}, .p = {}};
     textbook.p[0][0] = 10.0 * 10.0;
     textbook.p[1][1] = 100.0 * 100.0;
     textbook.p[2][2] = 50.0 * 50.0;
     for (int i = 0; i < 400; ++i) {
-        const double held = pole < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
+        const double held = pole < 0.0 ? 30.0 * (wheel.omega_radps - kTurns_radps) : 0.0;
         const double brake = brake_radps2(pole > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
         const double mean = wheel.turn(brake);
         observer.update(reading(mean), drive(brake));

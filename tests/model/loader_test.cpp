@@ -186,6 +186,25 @@ TEST_CASE("loader: a surface by a magic formula, and mistakes in one", "[RIG-264
     const auto both = rejection_of([&] { (void)with("c1 = 0.2\nmagic_formula = { B = 30.0, C = 1.5, D = 0.19, E = 0.2 }"); });
     CHECK(both.key() == "surfaces.snow.c1");
     CHECK_THAT(both.what(), ContainsSubstring("magic_formula"));
+    const auto misspelt = rejection_of([&] { (void)with("magic_fromula = { B = 30.0, C = 1.5, D = 0.19, E = 0.2 }"); });
+    CHECK_THAT(misspelt.what(), ContainsSubstring("expected c1, c2 and c3, or magic_formula"));
+}
+
+TEST_CASE("loader: what a brake has between pressure and torque is optional, whole and within its range", "[RIG-265]") {
+    const auto with = [](const std::string& lines) {
+        const ConfigCopy config;
+        config.replace("landing_gear.toml", "[brake.relative_friction]", "[brake.clamping]\n" + lines + "\n[brake.relative_friction]");
+        return rig::load_rig(config.path(), {}).rig.clamping;
+    };
+    CHECK_FALSE(rig::load_rig("config", {}).rig.clamping.any());
+    const rig::Clamping all = with("contact_Pa = 1.0e6\npiston_friction = 0.04\nrun_out = 0.05\nwarp = 0.02");
+    CHECK(all.contact_Pa == 1e6);
+    CHECK(all.piston_friction == 0.04);
+    CHECK(all.run_out == 0.05);
+    CHECK(all.warp == 0.02);
+    CHECK(rejection_of([&] { (void)with("contact_Pa = 1.0e6\npiston_friction = 0.04\nrun_out = 0.05"); }).key() == "brake.clamping.warp");
+    CHECK(rejection_of([&] { (void)with("contact_Pa = 1.0e6\npiston_friction = 0.04\nrun_out = 0.7\nwarp = 0.0"); }).key() ==
+          "brake.clamping.run_out");
 }
 
 TEST_CASE("loader: a missing file is named", "[RIG-090]") {

@@ -72,6 +72,19 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
                 CHECK(within(d.rig.surface.magic->C, u.curve_C));
                 CHECK(within(d.rig.surface.magic->E, u.curve_E));
             }
+            CHECK(d.rig.clamping.any() == (family == Family::brakes));
+            CHECK((d.rig.friction_curve != was.friction_curve) == (family == Family::brakes));
+            if (family == Family::brakes) {
+                const auto& [contact_Pa, piston_friction, run_out, warp] = d.rig.clamping;
+                CHECK(within(contact_Pa, u.contact_Pa));
+                CHECK(within(piston_friction, u.piston_friction));
+                CHECK(within(run_out, u.run_out));
+                CHECK(within(warp, u.warp));
+                const auto& c = d.rig.friction_curve;
+                CHECK(c[0] + c[1] / 2.0 + c[2] / 3.0 == Approx(d.rig.mean_friction));
+                // Before it is brought to its mean, which lies between the least and the greatest of the three.
+                CHECK(rig::min_friction(c, d.rig.mean_friction) > 0.4 * d.rig.mean_friction);
+            }
             CHECK((d.rig.brake_on_mps != was.brake_on_mps) == (family == Family::speed));
             if (family == Family::speed) CHECK(within(d.rig.brake_on_mps, u.speed_mps));
         }
@@ -125,6 +138,7 @@ TEST_CASE("ranges that cannot be are refused with file, line and key", "[STUDY-6
     rejected("delay_ms = [4.0, 10.0]", "delay_ms = [4.0]", "delay_ms");
     rejected("belt_share = [0.25, 0.45]", "belt_share = [0.25, 1.45]", "belt_share");
     rejected("[leg]", "[legs]", "leg");
+    rejected("warp = [0.0, 0.03]", "warp = [0.0, 0.5]", "warp");
     rejected("[25.0, 40.0, 55.0]", "[25.0, 90.0]", "speed_mps");
     rejected("[12.0, 16.667,", "[16.667, 12.0,", "speed_mps");
     rejected("[patches]", "[patches]\nwidth_m = 3.0", "width_m");

@@ -72,6 +72,14 @@ void change_curve(const Uncertainty& u, rig::RigParameters& rig, wear::Generator
     rig.surface.magic = rig::magic_formula_with_peak(peak_slip, rig::peak(rig.surface).mu, C, E);
 }
 
+/// A parabola through the friction at brake-on, at half of that speed and at the end, relative to their mean over the stop.
+void change_brake(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
+    rig.clamping = {.contact_Pa = within(u.contact_Pa, g), .piston_friction = within(u.piston_friction, g), .run_out = within(u.run_out, g), .warp = within(u.warp, g)};
+    const double begin = within(u.friction_brake_on, g), half_way = within(u.friction_half_way, g), end = within(u.friction_end, g);
+    const double per_mean = rig.mean_friction * 6.0 / (begin + 4.0 * half_way + end);  // Simpson's rule, exact for a parabola
+    rig.friction_curve = {end * per_mean, (4.0 * half_way - 3.0 * end - begin) * per_mean, 2.0 * (begin + end - 2.0 * half_way) * per_mean, 0.0};
+}
+
 }  // namespace
 
 Uncertainty load_uncertainty(const std::filesystem::path& file) {
@@ -79,8 +87,10 @@ Uncertainty load_uncertainty(const std::filesystem::path& file) {
     const Table root = doc.root();
     const Table landing = root.table("landing"), ring = root.table("ring"), relaxation = root.table("relaxation"), leg = root.table("leg"),
                 parameters = root.table("parameters"), patches = root.table("patches"), curves = root.table("curves"),
+                brakes = root.table("brakes"),
                 changes = root.table("changes"), brake_on = root.table("brake_on");
-    constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0}, kGrid_mps{.min = 6.0, .max = 61.0};
+    constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0}, kGrid_mps{.min = 6.0, .max = 61.0},
+        kClampingShare{.min = 0.0, .max = 0.45};
     const Interval delay_ms = interval(parameters, "delay_ms", {.min = 0.0, .max = 100.0});
     Uncertainty u{.slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
                   .speed_mps = interval(landing, "speed_mps", {.min = 6.0, .max = 120.0}),
@@ -104,6 +114,13 @@ Uncertainty load_uncertainty(const std::filesystem::path& file) {
                   .curve_peak_slip = interval(curves, "peak_slip", {.min = 0.01, .max = 0.9}),
                   .curve_C = interval(curves, "C", {.min = 1.1, .max = 1.99}),
                   .curve_E = interval(curves, "E", {.min = -10.0, .max = 0.95}),
+                  .contact_Pa = interval(brakes, "contact_Pa", {.min = 0.0, .max = 1e7}),
+                  .piston_friction = interval(brakes, "piston_friction", kClampingShare),
+                  .run_out = interval(brakes, "run_out", kClampingShare),
+                  .warp = interval(brakes, "warp", kClampingShare),
+                  .friction_brake_on = interval(brakes, "brake_on", kFactor),
+                  .friction_half_way = interval(brakes, "half_way", kFactor),
+                  .friction_end = interval(brakes, "end", kFactor),
                   .change_mps = changes.numbers("speed_mps", {.range = kGrid_mps}),
                   .brake_on_mps = brake_on.numbers("speed_mps", {.range = kGrid_mps, .strictly_increasing = true})};
     doc.finish();
@@ -126,6 +143,7 @@ Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t num
     if (family == Family::parameters || all) change_parameters(u, rig, g);
     if (family == Family::patches || all) add_patches(basis, rig, g);
     if (family == Family::curves) change_curve(u, rig, g);
+    if (family == Family::brakes) change_brake(u, rig, g);
     if (family == Family::speed) {
         rig.brake_on_mps = within(u.speed_mps, g);
         rig.touchdown_mps = 0.0;
@@ -152,6 +170,13 @@ std::string describe(const Basis& basis, const Draw& d) {
     if (const auto& curve = d.rig.surface.magic; curve && !plain.surface.magic)
         text += fmt::format(", peak at slip {:.3f}, locked {:.2f} of it, C {:.2f} E {:.2f}", rig::peak(*curve).slip,
                             rig::friction(*curve, 1.0).mu / curve->D, curve->C, curve->E);
+    if (const rig::Clamping& c = d.rig.clamping; c.any() && !plain.clamping.any()) {
+        const auto& f = d.rig.friction_curve;
+        const double per_mean = 1.0 / d.rig.mean_friction;
+        text += fmt::format(", contact {:.2f} MPa, piston friction {:.1f} %, run-out {:.1f} %, warp {:.1f} %, friction {:.2f} at brake-on, {:.2f} half-way, {:.2f} at the end",
+                            c.contact_Pa * 1e-6, c.piston_friction * 100.0, c.run_out * 100.0, c.warp * 100.0, (f[0] + f[1] + f[2]) * per_mean,
+                            (f[0] + 0.5 * f[1] + 0.25 * f[2]) * per_mean, f[0] * per_mean);
+    }
     if (d.rig.brake_on_mps != plain.brake_on_mps) text += fmt::format(", {:.1f} m/s", d.rig.brake_on_mps);
     constexpr std::size_t kShown = 4;
     const auto& patches = d.rig.runway.patches;

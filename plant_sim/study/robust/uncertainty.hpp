@@ -13,10 +13,10 @@
 namespace robust {
 
 /// Which ranges a draw uses. `changes` and `brake_on` use none: they are grids (grids.hpp).
-enum class Family : std::uint8_t { paper, ring, relaxation, leg, parameters, patches, speed, all, curves, changes, brake_on };
-inline constexpr std::array<std::string_view, 11> kFamilyNames{"paper", "ring", "relaxation", "leg",     "parameters", "patches",
-                                                               "speed", "all",  "curves",     "changes", "brake_on"};
-inline constexpr std::size_t kDrawnFamilies = 9;  ///< number of drawn families, which are the first
+enum class Family : std::uint8_t { paper, ring, relaxation, leg, parameters, patches, speed, all, curves, brakes, changes, brake_on };
+inline constexpr std::array<std::string_view, 12> kFamilyNames{"paper", "ring", "relaxation", "leg",    "parameters", "patches",
+                                                               "speed", "all",  "curves",     "brakes", "changes",    "brake_on"};
+inline constexpr std::size_t kDrawnFamilies = 10;  ///< number of drawn families, which are the first
 [[nodiscard]] constexpr std::string_view name(Family family) {
     return kFamilyNames[static_cast<std::size_t>(family)];
 }
@@ -36,6 +36,7 @@ struct Uncertainty {
     Interval wheel_inertia, brake_gain, valve_frequency, delay_s, hysteresis_mA, load, pitch_error, eccentricity;
     Interval patch_m;
     Interval curve_peak_slip, curve_C, curve_E;
+    Interval contact_Pa, piston_friction, run_out, warp, friction_brake_on, friction_half_way, friction_end;
     std::vector<double> change_mps;    ///< of the grid `changes`
     std::vector<double> brake_on_mps;  ///< of the grid `brake_on`, ascending
 };
