@@ -117,8 +117,7 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     const float surely = smaller(reading.speed_radps, e.omega_radps) - fall * reading.interval_s;
     wheel_.min = rolls ? smaller(larger(surely, wheel_.min - fall * period_s_), freely) : 0.0F;
     constexpr float kSlow = 3.0F;  // times as fast as speeds are compared: a slower wheel swings by as much as it turns
-    const bool falls =
-        reading.speed_radps < slower_ * wheel_.min && wheel_.min * e.radius_m > kSlow * config_.plausible_above_mps;
+    const bool falls = reading.speed_radps < slower_ * wheel_.min && wheel_.min * e.radius_m > kSlow * config_.plausible_above_mps;
     if (wrong.empty()) wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
     if (reading.fresh || (reading.bounded && falls)) take_reading(wheel_.reading, wrong, Fault::wheel_lost);
 

@@ -97,8 +97,8 @@ class Monitor {
     float hardest_brake_;
     float released_Pa_;
     float period_s_;
-    float acted_keeps_;       // of acted_radps2_, after a period
-    float slower_, faster_;   // a speed over another one beyond which they disagree
+    float acted_keeps_;      // of acted_radps2_, after a period
+    float slower_, faster_;  // a speed over another one beyond which they disagree
     float compensated_share_;
     Arrival wheel_arrival_, flywheel_arrival_, pressure_arrival_, maneuver_arrival_;
     float latest_s_;

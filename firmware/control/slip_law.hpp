@@ -50,7 +50,7 @@ class SlipLaw {
 
     SlipConfig config_;
     float period_s_;
-    float reference_step_;    // that a period may change the reference by
+    float reference_step_;  // that a period may change the reference by
     float min_share_;
     float early_rate_per_s_;  // by which the largest slip rate is higher without slip
     float reference_ = 0.0F;

@@ -9,14 +9,12 @@ namespace antiskid::control {
 
 class TurnLine {
   public:
-    /// `signal` without its line, and learns from it. The wheel turned by `angle_rad`, at most 0.5 rad, in the `since_s` since the last call. The line is
-    /// some rad/s wide: not to be called where the wheel turns as slowly as that.
-    static constexpr float kMaxAngle_rad = 1.0F;
-
+    /// `signal` without its line, and learns from it. The wheel turned by `angle_rad` in the `since_s` since the last call; more than 1 rad is a gap, in
+    /// which the line's phase is lost. The line is some rad/s wide: not to be called where the wheel turns as slowly as that.
     [[nodiscard]] float without(float signal, float angle_rad, float since_s) {
         constexpr float kWidth_radps = 3.0F;
         constexpr float kChance = 0.3F;  // square of the line, over the rest's power, that noise and the loop's own motion give
-        if (angle_rad > kMaxAngle_rad) *this = {};  // a gap in the readings: the line's phase is lost
+        if (angle_rad > kMaxAngle_rad) *this = {};
         const float square = angle_rad * angle_rad;
         const float c = 1.0F - 0.5F * square * (1.0F - square * (1.0F / 12.0F)), s = angle_rad * (1.0F - square * (1.0F / 6.0F));
         const float line = line_ * c - quadrature_ * s;
@@ -29,6 +27,8 @@ class TurnLine {
     }
 
   private:
+    static constexpr float kMaxAngle_rad = 1.0F;  // up to which sine and cosine below are near enough
+
     float line_ = 0.0F, quadrature_ = 0.0F;  // at the present angle, and a quarter of a turn later
     float rest_power_ = 0.0F;
 };

@@ -108,7 +108,7 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     // An upper bound only shows that the wheel is slower. Used as a reading of an accelerating wheel it would be late, and explained by an ever
     // larger pole of the wheel.
     const float k_a = reading.fresh ? a * per_variance : 0.0F;
-    // A torque that comes with every turn of the discs moves the slip, and is taken for road torque that moves against it: for a road beyond its peak.
+    // A torque that comes with every turn of the discs moves the slip, and is taken for road torque that moves against it: a road beyond its peak.
     const bool turns = reading.fresh && motion_.omega_radps > kMinTurn_radps;
     const float of_road = turns ? line_.without(innovation, reading.speed_radps * reading.interval_s, since) : innovation;
     // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not lead to a larger correction.

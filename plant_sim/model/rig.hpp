@@ -138,7 +138,7 @@ class Rig {
     rig::RigParameters parameters_;
     Wheel dynamics_;
     std::optional<CompliantWheel> compliant_;  // used instead of dynamics_ for compliant parts, and where friction is not eq. (4)
-    std::optional<Clamp> clamp_;           // used for a brake whose torque is not in proportion to its pressure
+    std::optional<Clamp> clamp_;               // used for a brake whose torque is not in proportion to its pressure
     Play play_;
     Valve valve_;
     Encoder wheel_encoder_;

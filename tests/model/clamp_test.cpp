@@ -53,8 +53,8 @@ TEST_CASE("clamping: nothing below the contact pressure, the rest above", "[RIG-
 TEST_CASE("clamping: piston friction holds up both ways, a loop as wide as twice its share", "[RIG-265]") {
     plant::Clamp clamp({.contact_Pa = 1e6, .piston_friction = 0.05});
     CHECK(follow(clamp, 11e6) == Approx(9.5e6));
-    CHECK(follow(clamp, 10.5e6) == Approx(9.5e6));   // within the play
-    CHECK(follow(clamp, 7e6) == Approx(6.3e6));      // 6 MPa and 5 % more
+    CHECK(follow(clamp, 10.5e6) == Approx(9.5e6));  // within the play
+    CHECK(follow(clamp, 7e6) == Approx(6.3e6));     // 6 MPa and 5 % more
     CHECK(follow(clamp, 7.2e6) == Approx(6.3e6));
     CHECK(follow(clamp, 11e6) == Approx(9.5e6));
     CHECK(follow(clamp, 0.0) == 0.0);

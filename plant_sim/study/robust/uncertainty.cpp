@@ -74,7 +74,10 @@ void change_curve(const Uncertainty& u, rig::RigParameters& rig, wear::Generator
 
 /// A parabola through the friction at brake-on, at half of that speed and at the end, relative to their mean over the stop.
 void change_brake(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
-    rig.clamping = {.contact_Pa = within(u.contact_Pa, g), .piston_friction = within(u.piston_friction, g), .run_out = within(u.run_out, g), .warp = within(u.warp, g)};
+    rig.clamping = {.contact_Pa = within(u.contact_Pa, g),
+                    .piston_friction = within(u.piston_friction, g),
+                    .run_out = within(u.run_out, g),
+                    .warp = within(u.warp, g)};
     const double begin = within(u.friction_brake_on, g), half_way = within(u.friction_half_way, g), end = within(u.friction_end, g);
     const double per_mean = rig.mean_friction * 6.0 / (begin + 4.0 * half_way + end);  // Simpson's rule, exact for a parabola
     rig.friction_curve = {end * per_mean, (4.0 * half_way - 3.0 * end - begin) * per_mean, 2.0 * (begin + end - 2.0 * half_way) * per_mean, 0.0};
@@ -86,8 +89,7 @@ Uncertainty load_uncertainty(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const Table root = doc.root();
     const Table landing = root.table("landing"), ring = root.table("ring"), relaxation = root.table("relaxation"), leg = root.table("leg"),
-                parameters = root.table("parameters"), patches = root.table("patches"), curves = root.table("curves"),
-                brakes = root.table("brakes"),
+                parameters = root.table("parameters"), patches = root.table("patches"), curves = root.table("curves"), brakes = root.table("brakes"),
                 changes = root.table("changes"), brake_on = root.table("brake_on");
     constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0}, kGrid_mps{.min = 6.0, .max = 61.0},
         kClampingShare{.min = 0.0, .max = 0.45};
@@ -173,9 +175,11 @@ std::string describe(const Basis& basis, const Draw& d) {
     if (const rig::Clamping& c = d.rig.clamping; c.any() && !plain.clamping.any()) {
         const auto& f = d.rig.friction_curve;
         const double per_mean = 1.0 / d.rig.mean_friction;
-        text += fmt::format(", contact {:.2f} MPa, piston friction {:.1f} %, run-out {:.1f} %, warp {:.1f} %, friction {:.2f} at brake-on, {:.2f} half-way, {:.2f} at the end",
-                            c.contact_Pa * 1e-6, c.piston_friction * 100.0, c.run_out * 100.0, c.warp * 100.0, (f[0] + f[1] + f[2]) * per_mean,
-                            (f[0] + 0.5 * f[1] + 0.25 * f[2]) * per_mean, f[0] * per_mean);
+        text += fmt::format(
+            ", contact {:.2f} MPa, piston friction {:.1f} %, run-out {:.1f} %, warp {:.1f} %, friction {:.2f} at brake-on, {:.2f} half-way, {:.2f} "
+            "at the end",
+            c.contact_Pa * 1e-6, c.piston_friction * 100.0, c.run_out * 100.0, c.warp * 100.0, (f[0] + f[1] + f[2]) * per_mean,
+            (f[0] + 0.5 * f[1] + 0.25 * f[2]) * per_mean, f[0] * per_mean);
     }
     if (d.rig.brake_on_mps != plain.brake_on_mps) text += fmt::format(", {:.1f} m/s", d.rig.brake_on_mps);
     constexpr std::size_t kShown = 4;
