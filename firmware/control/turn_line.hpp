@@ -9,8 +9,8 @@ namespace antiskid::control {
 
 class TurnLine {
   public:
-    /// `signal` without its line, and learns from it. The wheel turned by `angle_rad` in the `since_s` since the last call; more than 1 rad is a gap, in
-    /// which the line's phase is lost. The line is some rad/s wide: not to be called where the wheel turns as slowly as that.
+    /// `signal` without its line, and learns from it. The wheel turned by `angle_rad` in the `since_s` since the last call; more than 1 rad is a gap,
+    /// in which the line's phase is lost. The line is some rad/s wide: not to be called where the wheel turns as slowly as that.
     [[nodiscard]] float without(float signal, float angle_rad, float since_s) {
         constexpr float kWidth_radps = 3.0F;
         constexpr float kChance = 0.3F;  // square of the line, over the rest's power, that noise and the loop's own motion give

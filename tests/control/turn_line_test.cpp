@@ -84,3 +84,18 @@ TEST_CASE("a line is followed while the wheel slows", "[CTL-302]") {
     }
     CHECK(largest < 0.02);
 }
+
+TEST_CASE("a gap in the readings loses the line, which is then learnt anew", "[CTL-302]") {
+    TurnLine line;
+    double angle = 0.0;
+    const auto next = [&](double step) {
+        angle += step;
+        return line.without(static_cast<float>(std::sin(angle)), static_cast<float>(step), 1e-3F);
+    };
+    for (int i = 0; i < 3000; ++i) static_cast<void>(next(0.1));
+    CHECK(std::abs(next(0.1)) < 0.02F);
+    CHECK(next(1.5) == static_cast<float>(std::sin(angle)));
+    CHECK(std::abs(next(0.1) - static_cast<float>(std::sin(angle))) < 0.02F);
+    for (int i = 0; i < 3000; ++i) static_cast<void>(next(0.1));
+    CHECK(std::abs(next(0.1)) < 0.02F);
+}
