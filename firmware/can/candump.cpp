@@ -1,10 +1,6 @@
 #include "firmware/can/candump.hpp"
 
-#include <algorithm>
 #include <array>
-#include <bit>
-#include <cstring>
-#include <optional>
 
 namespace antiskid::can {
 
@@ -154,90 +150,80 @@ constexpr std::array<std::uint8_t, 256> hex_values() {
 }
 constexpr std::array<std::uint8_t, 256> kHex = hex_values();
 
-/// The number in eight characters, the first in the lowest byte; none: one is no digit. Four steps instead of eight (Lemire, "Quickly parsing eight
-/// digits", 2018).
-std::optional<std::uint32_t> eight_digits(std::uint64_t text) {
-    constexpr std::uint64_t kHigh = 0xF0F0F0F0F0F0F0F0, kZeros = 0x3030303030303030, kSixes = 0x0606060606060606;
-    if ((text & kHigh) != kZeros || ((text + kSixes) & kHigh) != kZeros) return std::nullopt;
-    const std::uint64_t digits = text - kZeros;
-    const std::uint64_t pairs = digits * 10U + (digits >> 8U);  // in every other byte
-    constexpr std::uint64_t kPair = 0x000000FF000000FF;
-    return static_cast<std::uint32_t>(((pairs & kPair) * 0x000F424000000064 + (pairs >> 16U & kPair) * 0x0000271000000001) >> 32U);
-}
-
-/// Reads the form of nearly every line, `(ssssssssss.uuuuuu) interface 1A0#0011`, several times faster than LineParser, which judges everything
-/// else. False: not this form.
-bool read_fixed_form(std::string_view text, CandumpLine& line) {
-    constexpr std::size_t kTime = 20;  // (1436509053.650713) and a space
-    constexpr std::size_t kMin = kTime + 6;
-    if (text.size() < kMin || text[0] != '(' || text[11] != '.' || text[18] != ')' || text[19] != ' ') return false;
-    const auto eight = [&](std::size_t at) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, text.data() + at, sizeof word);
-        return word;
-    };
-    constexpr std::uint64_t kTwo = 0xFFFF;
-    const auto front = eight_digits(eight(1));
-    const auto back = eight_digits((eight(9) & kTwo) | (eight(10) & ~kTwo));  // without the point
-    const std::size_t space = text.find(' ', kTime);
-    if (!front || !back || space == std::string_view::npos || space == kTime) return false;
-    const std::int64_t us = std::int64_t{*front} * 100'000'000 + *back;
-    if (us >= (kMaxSeconds + 1) * 1'000'000) return false;
-    const std::size_t data = space + 5;
-    if (data > text.size() || text[data - 1] != '#') return false;
-    const std::size_t digits = text.size() - data;
-    if (digits > 16 || digits % 2 != 0) return false;
-    unsigned any_hex = 0;
-    const auto hex = [&](std::size_t at) {
-        const unsigned value = kHex[static_cast<std::uint8_t>(text[at])];
-        any_hex |= value;
-        return value;
-    };
-    const std::uint32_t id = hex(space + 1) << 8U | hex(space + 2) << 4U | hex(space + 3);
-    std::uint64_t bytes = 0;  // at once: a frame whose bytes were stored one by one is slow to copy
-    for (std::size_t i = 0; i < digits; i += 2) bytes |= std::uint64_t{hex(data + i) << 4U | hex(data + i + 1)} << (4U * i);
-    if ((any_hex & kNoHex) != 0 || id > 0x7FF) return false;
-    const Time time{us * 1000};
-    line.time = time;
-    line.interface = text.substr(kTime, space - kTime);
-    line.frame = {
-        .id = id, .length = static_cast<std::uint8_t>(digits / 2), .data = std::bit_cast<std::array<std::uint8_t, 8>>(bytes), .received = time};
-    return true;
-}
-
-using Pair = std::array<char, 2>;
-
-/// Every pair of digits to this base.
-template <std::size_t Base>
-constexpr std::array<Pair, Base * Base> digit_pairs() {
-    std::array<Pair, Base * Base> pairs{};
-    for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = {"0123456789ABCDEF"[i / Base], "0123456789ABCDEF"[i % Base]};
-    return pairs;
-}
-constexpr auto kDecimalPairs = digit_pairs<10>();
-constexpr auto kHexPairs = digit_pairs<16>();
-
-/// What a line has before or after the interface's name.
-class LinePart {
+/// The form of nearly every line, `(ssssssssss.uuuuuu) interface 1A0#0011`, several times faster than LineParser, which
+/// judges everything else. False: not this form; `line` is then not to be used.
+class FixedForm {
   public:
-    void add(char c) { text_[size_++] = c; }
-    /// The last digits of `value`.
-    template <std::size_t Pairs>
-    void decimal(std::uint32_t value) {
-        const std::size_t at = size_;
-        for (std::size_t i = Pairs; i-- > 0; value /= 100) put(kDecimalPairs[value % 100], at + 2 * i);
-        size_ = at + 2 * Pairs;
+    explicit FixedForm(std::string_view text) : text_(text) {}
+
+    bool read(CandumpLine& line) {
+        constexpr std::size_t kTime = 20;  // (1436509053.650713) and a space
+        constexpr std::size_t kMin = kTime + 6;
+        if (text_.size() < kMin || text_[0] != '(' || text_[11] != '.' || text_[18] != ')' || text_[19] != ' ') return false;
+        const std::int64_t seconds = decimal(1, 11);
+        const std::int64_t microseconds = decimal(12, 18);
+        const std::size_t space = text_.find(' ', kTime);
+        if (not_decimal_ || seconds > kMaxSeconds || space == std::string_view::npos || space == kTime) return false;
+        const std::size_t data = space + 5;
+        if (data > text_.size() || text_[data - 1] != '#') return false;
+        const unsigned digits = static_cast<unsigned>(text_.size() - data);
+        if (digits > 16 || digits % 2 != 0) return false;
+        line.frame.id = hex(space + 1) << 8U | hex(space + 2) << 4U | hex(space + 3);
+        line.frame.length = static_cast<std::uint8_t>(digits / 2);
+        for (std::size_t i = 0; i < line.frame.length; ++i)
+            line.frame.data[i] = static_cast<std::uint8_t>(hex(data + 2 * i) << 4U | hex(data + 2 * i + 1));
+        if ((any_hex_ & kNoHex) != 0 || line.frame.id > 0x7FF) return false;
+        line.interface = text_.substr(kTime, space - kTime);
+        line.time = Time{seconds * kNanoseconds + microseconds * 1000};
+        line.frame.received = line.time;
+        return true;
     }
-    void hex(std::span<const std::uint8_t> bytes) {
-        const std::size_t at = size_;
-        for (std::size_t i = 0; i < bytes.size(); ++i) put(kHexPairs[bytes[i]], at + 2 * i);
-        size_ = at + 2 * bytes.size();
-    }
-    [[nodiscard]] std::string_view text() const { return {text_.data(), size_}; }
 
   private:
-    void put(const Pair& pair, std::size_t at) { std::copy(pair.begin(), pair.end(), text_.begin() + at); }
-    std::array<char, 32> text_{};
+    std::int64_t decimal(std::size_t from, std::size_t to) {
+        std::int64_t value = 0;
+        for (std::size_t i = from; i < to; ++i) {
+            const auto digit = static_cast<unsigned>(text_[i]) - unsigned{'0'};
+            not_decimal_ |= digit > 9;
+            value = value * 10 + digit;
+        }
+        return value;
+    }
+    std::uint32_t hex(std::size_t at) {
+        const std::uint8_t value = kHex[static_cast<std::uint8_t>(text_[at])];
+        any_hex_ |= value;
+        return value;
+    }
+
+    std::string_view text_;
+    bool not_decimal_ = false;
+    std::uint8_t any_hex_ = 0;
+};
+
+class LineWriter {
+  public:
+    explicit LineWriter(std::span<char> out) : out_(out) {}
+    void add(char c) {
+        if (size_ < out_.size()) out_[size_] = c;
+        ++size_;
+    }
+    void add(std::string_view text) {
+        for (const char c : text) add(c);
+    }
+    /// `value` >= 0.
+    void decimal(std::int64_t value, int min_digits) {
+        std::array<char, 20> digits{};
+        int count = 0;
+        for (; value > 0 || count < min_digits; value /= 10) digits[static_cast<std::size_t>(count++)] = static_cast<char>('0' + value % 10);
+        while (count > 0) add(digits[static_cast<std::size_t>(--count)]);
+    }
+    void hex(std::uint32_t value, unsigned digits) {
+        for (unsigned i = digits; i-- > 0;) add("0123456789ABCDEF"[(value >> (4U * i)) & 0xFU]);
+    }
+    [[nodiscard]] std::size_t size() const { return size_ <= out_.size() ? size_ : 0; }
+
+  private:
+    std::span<char> out_;
     std::size_t size_ = 0;
 };
 
@@ -247,44 +233,34 @@ std::variant<CandumpLine, CandumpFailure> parse_candump(std::string_view line) {
     std::variant<CandumpLine, CandumpFailure> result;
     std::string_view text = line;
     if (!text.empty() && text.back() == '\n') text.remove_suffix(1);
-    if (!read_fixed_form(text, std::get<CandumpLine>(result))) result = LineParser(line).run();
+    if (!FixedForm(text).read(std::get<CandumpLine>(result))) result = LineParser(line).run();
     return result;
 }
 
 std::size_t format_candump(const CandumpLine& line, std::span<char> out) {
     const std::int64_t seconds = line.time.count() / kNanoseconds;
     if (line.time < Time{} || seconds > kMaxSeconds) return 0;
-    constexpr std::int64_t kPairsBelow = 100'000'000;
-    LinePart before, after;
-    before.add('(');
-    before.decimal<1>(static_cast<std::uint32_t>(seconds / kPairsBelow));
-    before.decimal<4>(static_cast<std::uint32_t>(seconds % kPairsBelow));
-    before.add('.');
-    before.decimal<3>(static_cast<std::uint32_t>(line.time.count() % kNanoseconds / 1000));
-    before.add(')');
-    before.add(' ');
-    after.add(' ');
+    LineWriter writer(out);
+    writer.add('(');
+    writer.decimal(seconds, 10);
+    writer.add('.');
+    writer.decimal(line.time.count() % kNanoseconds / 1000, 6);
+    writer.add(") ");
+    writer.add(line.interface);
+    writer.add(' ');
     if (line.extended || line.error) {
-        const std::uint32_t id = line.frame.id | (line.error ? kErrorFlag : 0U);
-        after.hex(std::bit_cast<std::array<std::uint8_t, 4>>(__builtin_bswap32(id)));
+        writer.hex(line.frame.id | (line.error ? kErrorFlag : 0U), 8);
     } else {
-        after.add(kHexPairs[line.frame.id >> 8U & 0xFU][1]);
-        after.hex(std::array{static_cast<std::uint8_t>(line.frame.id & 0xFFU)});
+        writer.hex(line.frame.id, 3);
     }
-    after.add('#');
+    writer.add('#');
     if (line.remote) {
-        after.add('R');
-        if (line.frame.length > 0) after.add(static_cast<char>('0' + line.frame.length));
-    } else {
-        after.hex(line.frame.payload());
+        writer.add('R');
+        if (line.frame.length > 0) writer.decimal(line.frame.length, 1);
+        return writer.size();
     }
-    std::size_t size = 0;
-    for (const std::string_view part : {before.text(), line.interface, after.text()}) {
-        const std::size_t at = std::min(size, out.size());
-        std::copy_n(part.data(), std::min(part.size(), out.size() - at), out.data() + at);
-        size += part.size();
-    }
-    return size <= out.size() ? size : 0;
+    for (const std::uint8_t byte : line.frame.payload()) writer.hex(byte, 2);
+    return writer.size();
 }
 
 std::size_t format_candump(Time time, std::string_view interface, const Frame& frame, std::span<char> out) {

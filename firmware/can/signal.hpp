@@ -6,7 +6,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
 
 namespace antiskid::can {
@@ -43,8 +42,10 @@ struct Signal {
 class Payload {
   public:
     constexpr Payload() = default;
-    constexpr explicit Payload(const std::array<std::uint8_t, 8>& bytes)
-        : intel_(std::bit_cast<std::uint64_t>(bytes)), motorola_(__builtin_bswap64(intel_)) {}
+    constexpr explicit Payload(const std::array<std::uint8_t, 8>& bytes) {
+        for (std::size_t i = 0; i < bytes.size(); ++i) intel_ |= std::uint64_t{bytes[i]} << (8U * i);
+        motorola_ = reversed(intel_);
+    }
 
     [[nodiscard]] constexpr std::int64_t read(const Signal& signal) const {
         const std::uint64_t field = ((signal.big_endian ? motorola_ : intel_) >> signal.shift) & signal.mask();
@@ -58,11 +59,18 @@ class Payload {
     }
     /// Call after the last write().
     [[nodiscard]] constexpr std::array<std::uint8_t, 8> bytes() const {
-        return std::bit_cast<std::array<std::uint8_t, 8>>(intel_ | __builtin_bswap64(motorola_));
+        const std::uint64_t word = intel_ | reversed(motorola_);
+        std::array<std::uint8_t, 8> out{};
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<std::uint8_t>(word >> (8U * i));
+        return out;
     }
 
   private:
-    static_assert(std::endian::native == std::endian::little, "bytes are taken as a word at once");
+    [[nodiscard]] static constexpr std::uint64_t reversed(std::uint64_t word) {
+        std::uint64_t out = 0;
+        for (unsigned i = 0; i < 8; ++i) out |= ((word >> (8U * i)) & 0xFFU) << (56U - 8U * i);
+        return out;
+    }
 
     std::uint64_t intel_ = 0;
     std::uint64_t motorola_ = 0;

@@ -59,13 +59,13 @@ class Aircraft {
   private:
     struct Brake {
         wear::arena::Brake part;
-        wear::LifeReadings readings;
+        wear::LifeReadings readings{1.0, 0.0, 0.0};
         int landings = 0;
         double taken_J = 0.0;
     };
     struct Tyre {
-        double life_J;
-        wear::LifeReadings readings;
+        double life_J = 0.0;
+        wear::LifeReadings readings{1.0, 0.0, 0.0};
         double taken_J = 0.0;
     };
     [[nodiscard]] Brake new_brake();
