@@ -29,24 +29,30 @@ std::unique_ptr<ForeignLog> open_foreign(const std::filesystem::path& file) {
     return format == LogFormat::candump ? nullptr : std::make_unique<ForeignLog>(file, format);
 }
 
+std::bitset<2048> bound_messages(const LogOptions& options) {
+    std::bitset<2048> known;
+    if (options.layout == nullptr) return known;
+    for (const antiskid::can::Message& message : options.layout->messages)
+        if (message.bound) known.set(message.id);
+    return known;
+}
+
 }  // namespace
 
 LogReader::LogReader(const std::filesystem::path& file, const LogOptions& options, LogWarnings& warnings)
-    : foreign_(open_foreign(file)), source_(foreign_ ? LineSource(foreign_->lines()) : LineSource(file)), warnings_(warnings) {
-    set(options);
-}
+    : foreign_(open_foreign(file)),
+      source_(foreign_ ? LineSource(foreign_->lines()) : LineSource(file)),
+      warnings_(warnings),
+      interface_(options.interface.value_or("")),
+      with_layout_(options.layout != nullptr),
+      known_(bound_messages(options)) {}
 
-LogReader::LogReader(LogText text, const LogOptions& options, LogWarnings& warnings) : source_(text), warnings_(warnings) {
-    set(options);
-}
-
-void LogReader::set(const LogOptions& options) {
-    interface_ = options.interface.value_or("");
-    with_layout_ = options.layout != nullptr;
-    if (!with_layout_) return;
-    for (const antiskid::can::Message& message : options.layout->messages)
-        if (message.bound) known_.set(message.id);
-}
+LogReader::LogReader(LogText text, const LogOptions& options, LogWarnings& warnings)
+    : source_(text),
+      warnings_(warnings),
+      interface_(options.interface.value_or("")),
+      with_layout_(options.layout != nullptr),
+      known_(bound_messages(options)) {}
 
 bool LogReader::next(LogFrame& out) {
     LineSource::Line line;

@@ -59,7 +59,6 @@ class LogReader {
     [[nodiscard]] const std::string& interface() const { return interface_; }
 
   private:
-    void set(const LogOptions& options);
     /// False if the line is not used; a warning has then been added.
     bool take(const LineSource::Line& line, LogFrame& out);
     void reject(const LineSource::Line& line, const antiskid::can::CandumpFailure& failure);
