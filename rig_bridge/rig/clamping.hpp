@@ -5,11 +5,10 @@
 namespace rig {
 
 struct Clamping {
-    double contact_Pa = 0.0;  ///< the return springs hold the discs apart below this pressure, and take it off what clamps them above
-    double piston_friction =
-        0.0;               ///< of seals and keys, as share of the pressure, 0 to below 1: the force on the discs lags by as much in both directions
-    double run_out = 0.0;  ///< amplitude of the torque's change once a turn of the wheel, relative: discs that are not true; 0 to below 1
-    double warp = 0.0;     ///< twice a turn: discs that are not flat; 0 to below 1
+    double contact_Pa = 0.0;       ///< return springs hold the discs apart below this pressure, and take it off above
+    double piston_friction = 0.0;  ///< of seals and keys, share of the pressure, 0 to below 1: the force lags by it in both directions
+    double run_out = 0.0;          ///< amplitude of the torque's change once a turn, relative: discs that are not true; 0 to below 1
+    double warp = 0.0;             ///< twice a turn: discs that are not flat; with run_out below 1
 
     [[nodiscard]] bool any() const { return contact_Pa > 0.0 || piston_friction > 0.0 || run_out > 0.0 || warp > 0.0; }
 };
