@@ -76,9 +76,9 @@ std::vector<Entrant> entrants(const FleetStudy& study, const std::vector<Choice>
     std::vector<const Choice*> one, by_surface;
     one.reserve(references.size());
     for (const Choice& choice : references) one.push_back(&choice);
-    constexpr std::size_t kShares = 8;  // from the lowest to the highest
-    by_surface.reserve(kShares);
-    for (std::size_t k = 0; k < kShares; ++k) by_surface.push_back(&all[k * (all.size() - 1) / (kShares - 1)]);
+    constexpr std::size_t kLevels = 8;  // from the lowest to the highest
+    by_surface.reserve(kLevels);
+    for (std::size_t k = 0; k < kLevels; ++k) by_surface.push_back(&all[k * (all.size() - 1) / (kLevels - 1)]);
     const std::vector<const Choice*> standing{one.front()};
     const auto entrant = [](std::string name, const std::vector<const Choice*>& shares, const FleetPolicy& policy) {
         constexpr std::array kMargins_days{0.0, 1.0, 2.0};
