@@ -140,6 +140,7 @@ class Loader {
   private:
     void enter(const rig::LoadedRig& rig, wear::RecordedStop stop) {
         const auto at = std::find_if(classes_.begin(), classes_.end(), [&](const ClassStops& c) { return c.friction_class == rig.friction_class; });
+        for (wear::BrakeSample& s : stop.samples) s.pressure_Pa = rig.rig.clamping.net_Pa(s.pressure_Pa);
         at->stops.push_back(std::move(stop));
     }
 

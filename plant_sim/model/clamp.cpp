@@ -13,7 +13,7 @@ Clamp::Clamp(const rig::Clamping& parameters) : parameters_(parameters) {
 }
 
 void Clamp::follow(double pressure_Pa) {
-    const double net_Pa = std::max(pressure_Pa - parameters_.contact_Pa, 0.0);
+    const double net_Pa = parameters_.net_Pa(pressure_Pa);
     clamped_Pa_ = std::clamp(clamped_Pa_, net_Pa * (1.0 - parameters_.piston_friction), net_Pa * (1.0 + parameters_.piston_friction));
 }
 

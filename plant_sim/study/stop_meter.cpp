@@ -37,7 +37,7 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
     load_Ns_ += forces.F_z_N * step_s;
     if (!dropped_out_) {
         sliding_torque_Nms_ += forces.brake_torque_Nm * step_s;
-        pressure_Pas_ += rig.pressure_Pa() * step_s;
+        pressure_Pas_ += rig.parameters().clamping.net_Pa(rig.pressure_Pa()) * step_s;
         drop_out_ = now;
         drop_out_s_ = rig.time_s();
         dropped_out_ = now.v_mps <= drop_out_mps_;

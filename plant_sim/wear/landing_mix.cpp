@@ -79,7 +79,7 @@ ReserveLimit reserve_limit(const std::filesystem::path& config) {
             const double v_mps = loaded.drop_out_mps + (rig.brake_on_mps - loaded.drop_out_mps) * i / kSpeeds;
             const double F_z = rig.load.base_N - rig.load.lift_Ns2pm2 * v_mps * v_mps;
             const double wanted_Nm = mu_max * F_z * (rig.wheel.free_radius_m - F_z / rig.wheel.stiffness_Npm);
-            const double reserve_Nm = loaded.full_pressure_Pa * brake.gain(v_mps).k_b - wanted_Nm;
+            const double reserve_Nm = rig.clamping.net_Pa(loaded.full_pressure_Pa) * brake.gain(v_mps).k_b - wanted_Nm;
             if (reserve_Nm < out.reserve_Nm) out = {reserve_Nm, wanted_Nm, v_mps};
         }
         return out;

@@ -296,7 +296,7 @@ void Meter::integrate(const MeterSample& sample) {
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
     sums_.pressure_Pas += pressure * h;
     if (!dropped_out_) {
-        if (sliding()) sliding_pressure_Pas_ += pressure * h;
+        if (sliding()) sliding_pressure_Pas_ += std::max(pressure - parameters_.contact_pressure_Pa, 0.0) * h;
         sliding_way_m_ += metres;
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }

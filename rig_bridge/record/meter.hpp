@@ -61,6 +61,7 @@ struct MeterParameters {
     double wheel_radius_m = 0.0;       ///< r_0
     double wheel_stiffness_Npm = 0.0;  ///< k_r > 0
     double brake_gain_m3 = 0.0;        ///< A_p N_p N_s R_eff, eq. (5): k_b without friction
+    double contact_pressure_Pa = 0.0;  ///< what mu_b is counted above: below it the discs are apart
     double wheel_inertia_kgm2 = 0.0;   ///< J_w
     double flywheel_mass_kg = 0.0;     ///< m = J_f / R_f^2
     double peak_friction = 0.0;        ///< of the surface, eq. (16); 0: it varies along the runway, J_mu is unknown

@@ -17,6 +17,7 @@ namespace rig {
             .wheel_radius_m = r.wheel.free_radius_m,
             .wheel_stiffness_Npm = r.wheel.stiffness_Npm,
             .brake_gain_m3 = r.brake.gain_m3(),
+            .contact_pressure_Pa = r.clamping.contact_Pa,
             .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
             .flywheel_mass_kg = r.wheel.mass_kg,
             .peak_friction = r.runway.patches.empty() ? rig::peak(r.surface).mu : 0.0,

@@ -79,6 +79,28 @@ TEST_CASE("an identified magic formula takes the place of eq. (4), and the other
     CHECK(rig::surface_names(second) == rig::surface_names("config"));
 }
 
+TEST_CASE("an identified contact pressure joins the file's brake, and one that is not there leaves it", "[STUDY-100]") {
+    const TemporaryDirectory directory;
+    const identification::ConfigFiles files{.rig = "landing_gear.toml", .controller = "controller.toml"};
+    identification::Identified with = found(20.7e6), without = found(20.7e6);
+    without.wheel = {.inertia_kgm2 = about(1.3), .gain_m3 = about(1e-3), .friction = about(0.3), .contact_Pa = {}, .friction_class = "heavy",
+                     .relative_friction = {about(1.0), about(0.0), about(0.0), about(0.0)}, .lags_s = 0.0, .residuals = {}};
+    with.wheel = without.wheel;
+    with.wheel->contact_Pa = about(0.8e6);
+    const std::filesystem::path added(directory / "added"), changed(directory / "changed"), removed(directory / "removed");
+    identification::write_config(with, files, "config", added);
+    CHECK(rig::load_rig(added, {}).rig.clamping.contact_Pa == Approx(0.8e6));
+    CHECK(rig::load_rig(added, {}).rig.clamping.piston_friction == 0.0);
+    with.wheel->contact_Pa = about(0.5e6);
+    identification::write_config(with, files, added, changed);
+    CHECK(rig::load_rig(changed, {}).rig.clamping.contact_Pa == Approx(0.5e6));
+    identification::write_config(without, files, changed, removed);
+    CHECK(rig::load_rig(removed, {}).rig.clamping.contact_Pa == 0.0);
+    CHECK_FALSE(rig::load_rig(removed, {}).rig.clamping.any());
+    CHECK_THAT(identification::to_table(with), ContainsSubstring("contact pressure") && ContainsSubstring("0.5 MPa"));
+    CHECK_THAT(identification::to_table(without), !ContainsSubstring("contact pressure"));
+}
+
 TEST_CASE("a hysteresis and a line that the file assumed do not outlive an identification without them", "[STUDY-100]") {
     const TemporaryDirectory directory;
     const std::filesystem::path from = std::filesystem::path(directory / "assumed");

@@ -63,6 +63,7 @@ void add_seed(Coverage& coverage, std::uint64_t seed) {
 
     const auto wheel = identification::fit_wheel(all, "heavy");
     count(coverage, "J_w", wheel.inertia_kgm2, truth.wheel.inertia_kgm2);
+    CHECK_FALSE(wheel.contact_Pa);
     count(coverage, "k_b", wheel.gain_m3, truth.mean_friction * truth.brake.gain_m3());
 
     const auto road = identification::fit_friction(all, "dry_asphalt");
@@ -137,6 +138,27 @@ TEST_CASE("a magic formula's curve is found within 1 % of its peak, far beyond t
     for (const auto& [name, h] : coverage) std::printf("%-12s %d of %d, mean error %+.2f deviations\n", name.c_str(), h.hits, h.all, h.sum / h.all);
     std::printf("largest error of the curve up to slip 0.5: %.4f of its peak\n", worst);
     CHECK(worst < 0.01);
+}
+
+TEST_CASE("a brake whose discs touch only above a pressure is identified with that pressure", "[STUDY-100]") {
+    const double contact_Pa = GENERATE(0.2e6, 0.8e6, 1.5e6);
+    std::vector<Run> all;
+    for (const char* name : {"slow_braking", "heavy"}) {
+        endurance::EnduranceSetup s = identification_test::setup(name);
+        s.scenario.rig.rig.clamping.contact_Pa = contact_Pa;
+        all.push_back({.recording = identification_test::record(s, 7 + all.size()),
+                       .rig = identification_test::known(s),
+                       .surface = s.scenario.choice.surface,
+                       .friction_class = s.scenario.choice.maneuver});
+    }
+    const rig::RigParameters truth = identification_test::setup("heavy").scenario.rig.rig;
+    const auto wheel = identification::fit_wheel(all, "heavy");
+    REQUIRE(wheel.contact_Pa);
+    CAPTURE(contact_Pa, wheel.contact_Pa->value, wheel.contact_Pa->deviation, wheel.friction.value, wheel.friction.deviation);
+    CHECK(std::abs(wheel.contact_Pa->value - contact_Pa) < 3.0 * wheel.contact_Pa->deviation);
+    CHECK(wheel.contact_Pa->deviation < 0.01e6);
+    CHECK(std::abs(wheel.friction.value - truth.mean_friction) < 3.0 * wheel.friction.deviation);
+    CHECK(wheel.friction.deviation < 0.003 * truth.mean_friction);
 }
 
 TEST_CASE("intervals count correlated residuals", "[STUDY-100]") {

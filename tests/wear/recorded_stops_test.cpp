@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "firmware/host/settings/json.hpp"
@@ -110,6 +112,20 @@ TEST_CASE("a folder's summary says which maneuver it was; what was aborted is pa
     CHECK_THROWS_WITH(plant_sim::lab::load_stops({{"light", dir.path() / "nowhere"}}, files), ContainsSubstring("is not there"));
     CHECK_THROWS_WITH(plant_sim::lab::load_stops({{"light", write_log(dir, "cut", log.substr(0, 40000))}}, files),
                       ContainsSubstring("no braking in it"));
+}
+
+TEST_CASE("of a stop's pressure counts what is above the brake's contact pressure", "[WEAR-040]") {
+    const TempDir dir;
+    std::filesystem::copy("config", dir.path() / "config", std::filesystem::copy_options::recursive);
+    std::ofstream(dir.path() / "config/landing_gear.toml", std::ios::app)
+        << "\n[brake.clamping]\ncontact_Pa = 4e5\npiston_friction = 0.0\nrun_out = 0.0\nwarp = 0.0\n";
+    const auto csv = dir.write("stop.csv", "time_s,speed_mps,pressure_Pa,brake_torque_Nm\n0,50,1e5,0\n1,49,1e6,900\n");
+    plant_sim::lab::StopFiles files = quiet();
+    files.config = dir.path() / "config";
+    const auto classes = plant_sim::lab::load_stops({{"light", csv}}, files);
+    REQUIRE(classes.size() == 1);
+    CHECK(classes[0].stops[0].samples[0].pressure_Pa == 0.0);
+    CHECK(classes[0].stops[0].samples[1].pressure_Pa == Approx(6e5));
 }
 
 TEST_CASE("a CSV is a stop when its columns say so", "[WEAR-040]") {

@@ -43,8 +43,11 @@ Json json(const ValveFit& v) {
 Json json(const WheelFit& w) {
     Json relative = Json::array();
     for (const Estimate& e : w.relative_friction) relative.push_back(json(e));
-    return {{"inertia_kgm2", json(w.inertia_kgm2)}, {"gain_m3", json(w.gain_m3)},    {"friction", json(w.friction)},
-            {"friction_class", w.friction_class},   {"relative_friction", relative}, {"lags_s", w.lags_s}};
+    Json all{{"inertia_kgm2", json(w.inertia_kgm2)}, {"gain_m3", json(w.gain_m3)},    {"friction", json(w.friction)},
+             {"friction_class", w.friction_class},   {"relative_friction", relative}, {"lags_s", w.lags_s}};
+    all["misfit"] = w.misfit;
+    if (w.contact_Pa) all["contact_Pa"] = json(*w.contact_Pa);
+    return all;
 }
 
 Json json(const FrictionFit& f) {
@@ -77,6 +80,7 @@ std::vector<Quantity> quantities(const Identified& found) {
         all.push_back({"J_w", "kg m2", w.inertia_kgm2});
         all.push_back({"k_b", "1e-3 m3", scaled(w.gain_m3, 1e3)});
         all.push_back({"mean mu_b", "", w.friction});
+        if (w.contact_Pa) all.push_back({"contact pressure", "MPa", scaled(*w.contact_Pa, 1e-6)});
         for (std::size_t k = 0; k < w.relative_friction.size(); ++k)
             all.push_back({fmt::format("mu_b({}), power {}", w.friction_class, k), "", w.relative_friction[k]});
     }
@@ -89,6 +93,11 @@ std::string to_table(const Identified& found) {
     auto table = settings::TextTable::screen(":<27|estimate:>12.6g|:<10|95 % interval");
     for (const Quantity& q : quantities(found))
         table.add(q.name, q.estimate.value, fmt::format(" {}", q.unit), fmt::format("{:.6g} to {:.6g}", q.estimate.low, q.estimate.high));
+    if (found.wheel && found.wheel->misfit > kMaxMisfit)
+        table.line(
+            fmt::format("warning: brake: the balance of the wheel is off {:.1f} times as far as errors of the sensors explain, in the mean: the torque "
+                        "does not follow pressure as k_b(v) (P - P_c), or not alike in all stops; see wheel.png",
+                        found.wheel->misfit));
     for (const FrictionFit& f : found.surfaces) {
         if (f.curve.magic) table.line(fmt::format("{}: a magic formula fits better than eq. (4)", f.surface));
         if (f.misfit > kMaxMisfit)

@@ -24,14 +24,25 @@ constexpr double kSlowestStart_mps = 6.0;  // of a stop that counts: below it, d
 constexpr double kMinStop_mps = 20.0;      // a stop from a lower speed does not show friction over speed
 constexpr double kSettle_s = 0.05;
 constexpr double kContact_s = 5e-3;  // error of the instant of contact: half of the interval of the load readings
+constexpr double kContactStart_MPa = 0.5, kMaxContact_MPa = 10.0;
+constexpr double kSurely = 25.0;  // decrease of the sum of squares, of residuals in standard deviations: five of one parameter
+
+using Powers = std::array<double, kPowers>;
 
 /// One window: the terms of the balance, which is linear in them.
 struct Row {
     double time_s = 0.0, v_mps = 0.0;
     double momentum_Nms = 0.0;  // integral of r m dv since the start
     double omega_radps = 0.0;
-    double coasting_s = 0.0;                // time off the rim since the start
-    std::array<double, kPowers> impulse{};  // integral of G P x^k dt, mean over the window
+    double coasting_s = 0.0;  // time off the rim since the start
+    Powers impulse{};         // integral of G (P - contact)+ x^k dt, mean over the window
+};
+
+/// One sample of the gauge.
+struct Reading {
+    double time_s = 0.0;
+    double pressure_Pa = 0.0;  // 0 before brake-on, where a reading is noise, cut off at zero
+    double x = 0.0;
 };
 
 struct Segment {
@@ -40,7 +51,10 @@ struct Segment {
     double brake_on_s = 0.0;
     double to_mps = 1.0;        // N m s per m/s
     double radius_share = 0.0;  // relative deviation of the free radius
-    std::vector<Row> rows;
+    double gain_m3 = 0.0;       // G
+    std::vector<Reading> readings;
+    std::vector<double> middles_s;  // of the windows, without a gap between them
+    std::vector<Row> rows;          // those of them that count
     Eigen::LLT<Eigen::MatrixXd> noise;  // of the rows' expected covariance, (N m s)^2
 };
 
@@ -53,47 +67,60 @@ double speed_at(const std::vector<Row>& rows, double time_s) {
     return a.v_mps + (next->v_mps - a.v_mps) * (time_s - a.time_s) / (next->time_s - a.time_s);
 }
 
-/// Adds the mean of the running integral over each window, from integrals of integrals: a window need not begin at a sample.
-void add_impulses(const Run& run, const Motion& motion, Segment& segment) {
-    std::array<double, kPowers> power_last{}, sum{}, sum_of_sums{};
-    std::array<double, kPowers> at_start{};  // sum_of_sums at the start of the window
-    double last_s = 0.0;
-    bool begun = false;
-    std::size_t row = 0;
+std::vector<Reading> readings(const Run& run, const Motion& motion, const std::vector<Row>& rows) {
+    std::vector<Reading> all;
+    all.reserve(run.recording.samples.size());
+    for (const Sample& s : run.recording.samples)
+        if (s.time_s >= rows.front().time_s - kSpeedWindow_s && s.phase <= phase::kBraking)
+            all.push_back({.time_s = s.time_s,
+                           .pressure_Pa = s.time_s < motion.brake_on_s() ? 0.0 : s.pressure_Pa,
+                           .x = std::min(speed_at(rows, s.time_s) / motion.brake_on_mps(), 1.0)});
+    return all;
+}
+
+/// The mean of the running integral over each window up to the last reading, from integrals of integrals: a window need not begin at a sample.
+std::vector<Powers> impulses(const Segment& segment, double contact_Pa) {
+    std::vector<Powers> all;
+    all.reserve(segment.middles_s.size());
+    Powers power_last{}, sum{}, sum_of_sums{};
+    Powers at_start{};  // sum_of_sums at the start of the window
+    double last_s = segment.readings.empty() ? 0.0 : segment.readings.front().time_s;
     bool inside = false;
-    for (const Sample& s : run.recording.samples) {
-        if (s.time_s < segment.rows.front().time_s - kSpeedWindow_s || s.phase > phase::kBraking) continue;
-        if (row == segment.rows.size()) return;
-        // Before brake-on the gauge's reading is noise, cut off at zero.
-        double power = s.time_s < motion.brake_on_s() ? 0.0 : run.rig.brake_gain_m3 * s.pressure_Pa;
-        const double x = std::min(speed_at(segment.rows, s.time_s) / motion.brake_on_mps(), 1.0);
-        const double step_s = begun ? s.time_s - last_s : 0.0;
-        std::array<double, kPowers> before = sum_of_sums;
+    for (const Reading& reading : segment.readings) {
+        double power = segment.gain_m3 * std::max(reading.pressure_Pa - contact_Pa, 0.0);
+        const double step_s = reading.time_s - last_s;
+        const Powers before = sum_of_sums;
         for (std::size_t k = 0; k < kPowers; ++k) {
             const double sum_before = sum[k];
             sum[k] += 0.5 * (power_last[k] + power) * step_s;
             sum_of_sums[k] += 0.5 * (sum_before + sum[k]) * step_s;
             power_last[k] = power;
-            power *= x;
+            power *= reading.x;
         }
-        const auto at = [&](std::size_t k, double time_s) {
-            const double share = step_s > 0.0 ? (time_s - last_s) / step_s : 1.0;
-            return before[k] + share * (sum_of_sums[k] - before[k]);
-        };
-        while (row < segment.rows.size()) {
-            const double edge_s = segment.rows[row].time_s + (inside ? 0.5 : -0.5) * kSpeedWindow_s;
-            if (edge_s > s.time_s) break;
+        while (all.size() < segment.middles_s.size()) {
+            const double edge_s = segment.middles_s[all.size()] + (inside ? 0.5 : -0.5) * kSpeedWindow_s;
+            if (edge_s > reading.time_s) break;
+            const double share = step_s > 0.0 ? (edge_s - last_s) / step_s : 1.0;
+            Powers mean{};
             for (std::size_t k = 0; k < kPowers; ++k) {
-                if (inside) segment.rows[row].impulse[k] = (at(k, edge_s) - at_start[k]) / kSpeedWindow_s;
-                at_start[k] = at(k, edge_s);
+                const double at_edge = before[k] + share * (sum_of_sums[k] - before[k]);
+                mean[k] = (at_edge - at_start[k]) / kSpeedWindow_s;
+                at_start[k] = at_edge;
             }
-            if (inside) ++row;
+            if (inside) all.push_back(mean);
             inside = true;
         }
-        last_s = s.time_s;
-        begun = true;
+        last_s = reading.time_s;
     }
-    segment.rows.resize(row);
+    return all;
+}
+
+/// Sets the rows' impulses.
+void press(Segment& segment, double contact_Pa) {
+    const std::vector<Powers> all = impulses(segment, contact_Pa);
+    auto row = segment.rows.begin();
+    for (std::size_t i = 0; i < all.size() && row != segment.rows.end(); ++i)
+        if (row->time_s == segment.middles_s[i]) (row++)->impulse = all[i];
 }
 
 /// Noise of one pressure reading, from third differences, on which the valve's motion in 1 ms has hardly any effect.
@@ -154,6 +181,9 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
               .brake_on_s = motion.brake_on_s(),
               .to_mps = 1.0,
               .radius_share = motion.free_radius_deviation_m() / motion.free_radius_m(),
+              .gain_m3 = run.rig.brake_gain_m3,
+              .readings = {},
+              .middles_s = {},
               .rows = {},
               .noise = {}};
     const double m = run.rig.mass_kg;
@@ -185,7 +215,11 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
                           .coasting_s = std::min(middle_s - motion.contact_s(), 0.0)});
     }
     if (s.rows.empty()) return s;
-    add_impulses(run, motion, s);
+    s.readings = readings(run, motion, s.rows);
+    s.middles_s.reserve(s.rows.size());
+    for (const Row& row : s.rows) s.middles_s.push_back(row.time_s);
+    s.middles_s.resize(impulses(s, 0.0).size());
+    s.rows.resize(s.middles_s.size());
     // A window around contact would be on both sides of it.
     std::erase_if(s.rows, [&](const Row& row) { return std::abs(row.time_s - motion.contact_s()) < kSettle_s; });
     s.noise.compute(covariance(run, motion, s));
@@ -201,18 +235,21 @@ Estimate with_error(const Estimate& e, double deviation) {
             .high = e.value + (e.high - e.value) * factor};
 }
 
-/// theta: J_w, the kPowers friction coefficients if a stop counts, then offset and drag of each segment.
+/// theta: J_w, the kPowers friction coefficients, the contact pressure in MPa if it is free, then offset and drag of each segment.
 class Balance {
   public:
-    explicit Balance(std::vector<Segment> segments) : segments_(std::move(segments)) {
-        stops_ = std::any_of(segments_.begin(), segments_.end(), [](const Segment& s) { return s.braking; });
-        for (const Segment& s : segments_) rows_ += s.rows.size();
+    Balance(std::vector<Segment> segments, bool contact_free) : segments_(std::move(segments)), contact_free_(contact_free) {
+        for (Segment& s : segments_) {
+            press(s, 0.0);
+            rows_ += s.rows.size();
+        }
     }
 
-    [[nodiscard]] Index common() const { return 1 + (stops_ ? static_cast<Index>(kPowers) : 0); }
+    [[nodiscard]] Index common() const { return 1 + static_cast<Index>(kPowers) + (contact_free_ ? 1 : 0); }
     [[nodiscard]] Index parameters() const { return common() + 2 * static_cast<Index>(segments_.size()); }
 
-    void residuals(const VectorXd& theta, VectorXd& out) const {
+    void residuals(const VectorXd& theta, VectorXd& out) {
+        press_all(contact_free_ ? theta[common() - 1] * 1e6 : 0.0);
         out.resize(static_cast<Index>(rows_));
         Index n = 0;
         Index own = common();
@@ -224,11 +261,12 @@ class Balance {
             own += 2;
         }
     }
-    [[nodiscard]] double error_Nms(const Row& row, const VectorXd& theta, Index own) const {
+    [[nodiscard]] static double error_Nms(const Row& row, const VectorXd& theta, Index own) {
         double balance = row.momentum_Nms + theta[0] * row.omega_radps - theta[own] - theta[own + 1] * row.coasting_s;
-        for (std::size_t k = 0; stops_ && k < kPowers; ++k) balance += theta[1 + static_cast<Index>(k)] * row.impulse[k];
+        for (std::size_t k = 0; k < kPowers; ++k) balance += theta[1 + static_cast<Index>(k)] * row.impulse[k];
         return balance;
     }
+    /// Of the theta that residuals() was called with last.
     [[nodiscard]] std::vector<WheelResiduals> report(const VectorXd& theta) const {
         std::vector<WheelResiduals> all;
         all.reserve(segments_.size());
@@ -247,10 +285,45 @@ class Balance {
     }
 
   private:
+    void press_all(double contact_Pa) {
+        if (contact_Pa == contact_Pa_) return;
+        contact_Pa_ = contact_Pa;
+        for (Segment& s : segments_) press(s, contact_Pa);
+    }
+
     std::vector<Segment> segments_;
-    bool stops_ = false;
+    bool contact_free_;
+    double contact_Pa_ = 0.0;
     std::size_t rows_ = 0;
 };
+
+Fit fit_balance(Balance& balance) {
+    const Index n = balance.parameters();
+    const Index common = balance.common();
+    const Index powers = static_cast<Index>(kPowers);
+    LeastSquares min;
+    min.start = VectorXd::Zero(n);
+    min.start[0] = 1.0;
+    min.start[1] = 0.3;
+    min.scale = VectorXd::Constant(n, 10.0);
+    min.scale.head(common).setConstant(0.1);
+    min.min = VectorXd::Constant(n, -1e9);
+    min.max = VectorXd::Constant(n, 1e9);
+    std::vector<std::string> names{"the wheel's inertia"};
+    for (Index i = 1; i < n; ++i)
+        names.emplace_back(i <= powers  ? "the brake's friction over speed"
+                           : i < common ? "the pressure at which the discs touch"
+                                        : "the rim's drag before touchdown");
+    if (common > 1 + powers) {
+        min.start[common - 1] = kContactStart_MPa;
+        min.min[common - 1] = 0.0;
+        min.max[common - 1] = kMaxContact_MPa;
+    }
+    Fit found = fit(min, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
+    VectorXd last;
+    balance.residuals(found.theta, last);
+    return found;
+}
 
 }  // namespace
 
@@ -265,11 +338,12 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
         if (!motion) continue;
         const bool braking = run.friction_class == friction_class && motion->brake_on_mps() >= kMinStop_mps;
         Segment s = segment(run, *motion, braking);
+        if (s.rows.empty()) continue;
         if (braking) {
             ++stops;
             radius_variance += s.radius_share * s.radius_share;
         }
-        if (!s.rows.empty()) segments.push_back(std::move(s));
+        segments.push_back(std::move(s));
     }
     if (stops == 0) {
         throw NotIdentifiable(
@@ -277,20 +351,14 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
                         "slow_braking.toml), J_w its touchdown",
                         friction_class, kMinStop_mps));
     }
-    const Balance balance(std::move(segments));
+    // A parameter more than the brake has would widen the intervals of the others.
+    Balance with_contact(segments, true), without_contact(std::move(segments), false);
+    const Fit free = fit_balance(with_contact);
+    const Fit zero = fit_balance(without_contact);
+    const bool touches = free.residuals.squaredNorm() + kSurely < zero.residuals.squaredNorm();
+    const Balance& balance = touches ? with_contact : without_contact;
+    const Fit& found = touches ? free : zero;
     const Index n = balance.parameters();
-    LeastSquares min;
-    min.start = VectorXd::Zero(n);
-    min.start[0] = 1.0;
-    min.start[1] = 0.3;
-    min.scale = VectorXd::Constant(n, 10.0);
-    min.scale[0] = 0.1;
-    min.scale.segment(1, static_cast<Index>(kPowers)).setConstant(0.1);
-    min.min = VectorXd::Constant(n, -1e9);
-    min.max = VectorXd::Constant(n, 1e9);
-    std::vector<std::string> names{"the wheel's inertia"};
-    for (Index i = 1; i < n; ++i) names.emplace_back(i < balance.common() ? "the brake's friction over speed" : "the rim's drag before touchdown");
-    const Fit found = fit(min, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
 
     WheelFit out;
     out.inertia_kgm2 = found.estimate(0);
@@ -310,8 +378,10 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
         e.high += shift;
         out.relative_friction[k] = e;
     }
+    if (touches) out.contact_Pa = scaled(found.estimate(balance.common() - 1), 1e6);
     out.gain_m3 = scaled(out.friction, runs.front().rig.brake_gain_m3);
     out.friction_class = friction_class;
+    out.misfit = found.rms;
     out.lags_s = found.lags * kSpeedWindow_s;
     out.residuals = balance.report(found.theta);
     if (!(out.inertia_kgm2.low > 0.0)) {

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -43,12 +45,19 @@ class EditedToml {
         for (std::size_t i = header(table) + 1; i < lines_.size() && !lines_[i].starts_with('['); ++i)
             if (is_key(lines_[i], key)) lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(i--));
     }
+    [[nodiscard]] bool has(const std::string& table) const { return find(table) < lines_.size(); }
     /// Whether the file has the key.
     [[nodiscard]] bool has(const std::string& table, const std::string& key) const {
+        if (!has(table)) return false;
         for (std::size_t i = header(table) + 1; i < lines_.size() && !lines_[i].starts_with('['); ++i) {
             if (is_key(lines_[i], key)) return true;
         }
         return false;
+    }
+    /// Appends a table with these lines.
+    void append(const std::string& table, std::initializer_list<const char*> lines) {
+        lines_.insert(lines_.end(), {"", "[" + table + "]"});
+        lines_.insert(lines_.end(), lines.begin(), lines.end());
     }
     void set(const std::string& table, const std::string& key, const Estimate& e, double factor = 1.0, bool optional = false) {
         set(table, key, fmt::format("{:.8g}", e.value * factor), fmt::format(", 95 %: {:.6g} to {:.6g}", e.low * factor, e.high * factor), optional);
@@ -56,12 +65,14 @@ class EditedToml {
     void write() const { settings::write_file(file_, fmt::format("{}\n", fmt::join(lines_, "\n"))); }
 
   private:
+    /// The line of the table's header; behind the last if there is none.
+    [[nodiscard]] std::size_t find(const std::string& table) const {
+        const auto at = std::ranges::find_if(lines_, [head = "[" + table + "]"](const std::string& line) { return line.starts_with(head); });
+        return static_cast<std::size_t>(at - lines_.begin());
+    }
     [[nodiscard]] std::size_t header(const std::string& table) const {
-        const std::string head = "[" + table + "]";
-        for (std::size_t i = 0; i < lines_.size(); ++i) {
-            if (lines_[i].starts_with(head)) return i;
-        }
-        throw settings::Error(file_.string(), 0, table, "is missing");
+        if (!has(table)) throw settings::Error(file_.string(), 0, table, "is missing");
+        return find(table);
     }
     [[nodiscard]] static bool is_key(const std::string& line, const std::string& key) {
         if (!line.starts_with(key)) return false;
@@ -123,6 +134,12 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
         const WheelFit& w = *found.wheel;
         plant.set("wheel", "inertia_kgm2", w.inertia_kgm2);
         plant.set("brake", "friction", w.friction);
+        if (w.contact_Pa && !plant.has("brake.clamping"))
+            plant.append("brake.clamping", {"contact_Pa = 0.0", "piston_friction = 0.0", "run_out = 0.0", "warp = 0.0"});
+        if (w.contact_Pa)
+            plant.set("brake.clamping", "contact_Pa", *w.contact_Pa);
+        else if (plant.has("brake.clamping"))
+            plant.set("brake.clamping", "contact_Pa", "0.0", "");
         std::vector<std::string> relative;
         relative.reserve(w.relative_friction.size());
         for (const Estimate& e : w.relative_friction) relative.push_back(fmt::format("{:.7g}", e.value));
