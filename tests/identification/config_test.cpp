@@ -83,17 +83,28 @@ TEST_CASE("an identified contact pressure joins the file's brake, and one that i
     const TemporaryDirectory directory;
     const identification::ConfigFiles files{.rig = "landing_gear.toml", .controller = "controller.toml"};
     identification::Identified with = found(20.7e6), without = found(20.7e6);
-    without.wheel = {.inertia_kgm2 = about(1.3), .gain_m3 = about(1e-3), .friction = about(0.3), .contact_Pa = {}, .friction_class = "heavy",
-                     .relative_friction = {about(1.0), about(0.0), about(0.0), about(0.0)}, .lags_s = 0.0, .residuals = {}};
+    without.wheel = {.inertia_kgm2 = about(1.3),
+                     .gain_m3 = about(1e-3),
+                     .friction = about(0.3),
+                     .contact_Pa = {},
+                     .piston_friction = {},
+                     .friction_class = "heavy",
+                     .relative_friction = {about(1.0), about(0.0), about(0.0), about(0.0)},
+                     .misfit = 0.9,
+                     .lags_s = 0.0,
+                     .residuals = {}};
     with.wheel = without.wheel;
     with.wheel->contact_Pa = about(0.8e6);
+    with.wheel->piston_friction = about(0.03);
     const std::filesystem::path added(directory / "added"), changed(directory / "changed"), removed(directory / "removed");
     identification::write_config(with, files, "config", added);
     CHECK(rig::load_rig(added, {}).rig.clamping.contact_Pa == Approx(0.8e6));
-    CHECK(rig::load_rig(added, {}).rig.clamping.piston_friction == 0.0);
+    CHECK(rig::load_rig(added, {}).rig.clamping.piston_friction == Approx(0.03));
     with.wheel->contact_Pa = about(0.5e6);
+    with.wheel->piston_friction.reset();
     identification::write_config(with, files, added, changed);
     CHECK(rig::load_rig(changed, {}).rig.clamping.contact_Pa == Approx(0.5e6));
+    CHECK(rig::load_rig(changed, {}).rig.clamping.piston_friction == 0.0);
     identification::write_config(without, files, changed, removed);
     CHECK(rig::load_rig(removed, {}).rig.clamping.contact_Pa == 0.0);
     CHECK_FALSE(rig::load_rig(removed, {}).rig.clamping.any());

@@ -38,6 +38,20 @@ std::vector<Run> runs(std::uint64_t seed) {
     return all;
 }
 
+/// Landings with such a brake.
+std::vector<Run> stops(const rig::Clamping& clamping, std::uint64_t seed) {
+    std::vector<Run> all;
+    for (const char* name : {"slow_braking", "heavy"}) {
+        endurance::EnduranceSetup s = identification_test::setup(name);
+        s.scenario.rig.rig.clamping = clamping;
+        all.push_back({.recording = identification_test::record(s, 10 * seed + all.size()),
+                       .rig = identification_test::known(s),
+                       .surface = s.scenario.choice.surface,
+                       .friction_class = s.scenario.choice.maneuver});
+    }
+    return all;
+}
+
 void count(Coverage& coverage, const std::string& name, const Estimate& e, double truth) {
     Hits& h = coverage[name];
     h.hits += e.contains(truth) ? 1 : 0;
@@ -63,7 +77,8 @@ void add_seed(Coverage& coverage, std::uint64_t seed) {
 
     const auto wheel = identification::fit_wheel(all, "heavy");
     count(coverage, "J_w", wheel.inertia_kgm2, truth.wheel.inertia_kgm2);
-    CHECK_FALSE(wheel.contact_Pa);
+    CHECK_FALSE(wheel.contact_Pa.has_value());
+    CHECK_FALSE(wheel.piston_friction.has_value());
     count(coverage, "k_b", wheel.gain_m3, truth.mean_friction * truth.brake.gain_m3());
 
     const auto road = identification::fit_friction(all, "dry_asphalt");
@@ -140,25 +155,49 @@ TEST_CASE("a magic formula's curve is found within 1 % of its peak, far beyond t
     CHECK(worst < 0.01);
 }
 
-TEST_CASE("a brake whose discs touch only above a pressure is identified with that pressure", "[STUDY-100]") {
-    const double contact_Pa = GENERATE(0.2e6, 0.8e6, 1.5e6);
-    std::vector<Run> all;
-    for (const char* name : {"slow_braking", "heavy"}) {
-        endurance::EnduranceSetup s = identification_test::setup(name);
-        s.scenario.rig.rig.clamping.contact_Pa = contact_Pa;
-        all.push_back({.recording = identification_test::record(s, 7 + all.size()),
-                       .rig = identification_test::known(s),
-                       .surface = s.scenario.choice.surface,
-                       .friction_class = s.scenario.choice.maneuver});
+TEST_CASE("what springs and pistons take off the pressure is found with the brake's friction", "[STUDY-100]") {
+    const rig::Clamping truth = GENERATE(rig::Clamping{.contact_Pa = 0.2e6}, rig::Clamping{.contact_Pa = 1.5e6}, rig::Clamping{.piston_friction = 0.02},
+                                         rig::Clamping{.contact_Pa = 0.8e6, .piston_friction = 0.05});
+    const auto wheel = identification::fit_wheel(stops(truth, 7), "heavy");
+    CAPTURE(truth.contact_Pa, truth.piston_friction, wheel.friction.value, wheel.inertia_kgm2.value, wheel.misfit);
+    const double contact_Pa = wheel.contact_Pa.value_or(Estimate{}).value, piston_friction = wheel.piston_friction.value_or(Estimate{}).value;
+    CHECK(contact_Pa == Approx(truth.contact_Pa).margin(0.03e6));
+    CHECK(piston_friction == Approx(truth.piston_friction).margin(0.004));
+    CHECK(wheel.contact_Pa.has_value() == (truth.contact_Pa > 0.0));
+    CHECK(wheel.piston_friction.has_value() == (truth.piston_friction > 0.0));
+    const rig::RigParameters rig = identification_test::setup("heavy").scenario.rig.rig;
+    CHECK(wheel.friction.value == Approx(rig.mean_friction).epsilon(0.003));
+    CHECK(wheel.inertia_kgm2.value == Approx(rig.wheel.inertia_kgm2).epsilon(0.005));
+    CHECK(wheel.misfit < identification::kMaxMisfit);
+}
+
+TEST_CASE("of discs that are not true the program reports that pressure does not explain their torque", "[STUDY-100]") {
+    identification::Identified found;
+    found.wheel = identification::fit_wheel(stops({.run_out = 0.05}, 8), "heavy");
+    CHECK(found.wheel->misfit > identification::kMaxMisfit);
+    CHECK_THAT(identification::to_table(found), ContainsSubstring("warning: brake: the wheel's balance is off"));
+}
+
+TEST_CASE("friction is found within 1 %, whatever springs and pistons take off the pressure, for 20 brakes", "[.fifty][STUDY-100]") {
+    Coverage coverage;
+    rig::Random random(2026);
+    double friction = 0.0, contact_Pa = 0.0, piston = 0.0, misfit = 0.0;
+    const rig::RigParameters rig = identification_test::setup("heavy").scenario.rig.rig;
+    for (std::uint64_t seed = 101; seed <= 120; ++seed) {
+        const rig::Clamping truth{.contact_Pa = 1.5e6 * random.uniform(), .piston_friction = 0.06 * random.uniform()};
+        const auto wheel = identification::fit_wheel(stops(truth, seed), "heavy");
+        friction = std::max(friction, std::abs(wheel.friction.value / rig.mean_friction - 1.0));
+        contact_Pa = std::max(contact_Pa, std::abs(wheel.contact_Pa.value_or(Estimate{}).value - truth.contact_Pa));
+        piston = std::max(piston, std::abs(wheel.piston_friction.value_or(Estimate{}).value - truth.piston_friction));
+        misfit = std::max(misfit, wheel.misfit);
+        count(coverage, "J_w", wheel.inertia_kgm2, rig.wheel.inertia_kgm2);
+        count(coverage, "k_b", wheel.gain_m3, rig.mean_friction * rig.brake.gain_m3());
+        if (wheel.contact_Pa) count(coverage, "contact", *wheel.contact_Pa, truth.contact_Pa);
+        if (wheel.piston_friction) count(coverage, "pistons", *wheel.piston_friction, truth.piston_friction);
     }
-    const rig::RigParameters truth = identification_test::setup("heavy").scenario.rig.rig;
-    const auto wheel = identification::fit_wheel(all, "heavy");
-    REQUIRE(wheel.contact_Pa);
-    CAPTURE(contact_Pa, wheel.contact_Pa->value, wheel.contact_Pa->deviation, wheel.friction.value, wheel.friction.deviation);
-    CHECK(std::abs(wheel.contact_Pa->value - contact_Pa) < 3.0 * wheel.contact_Pa->deviation);
-    CHECK(wheel.contact_Pa->deviation < 0.01e6);
-    CHECK(std::abs(wheel.friction.value - truth.mean_friction) < 3.0 * wheel.friction.deviation);
-    CHECK(wheel.friction.deviation < 0.003 * truth.mean_friction);
+    for (const auto& [name, h] : coverage) std::printf("%-12s %d of %d, mean error %+.2f deviations\n", name.c_str(), h.hits, h.all, h.sum / h.all);
+    std::printf("largest error: friction %.4f of it, contact pressure %.0f Pa, piston friction %.4f; misfit up to %.2f\n", friction, contact_Pa, piston, misfit);
+    CHECK(friction < 0.01);
 }
 
 TEST_CASE("intervals count correlated residuals", "[STUDY-100]") {

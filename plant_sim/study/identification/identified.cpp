@@ -47,6 +47,7 @@ Json json(const WheelFit& w) {
              {"friction_class", w.friction_class},   {"relative_friction", relative}, {"lags_s", w.lags_s}};
     all["misfit"] = w.misfit;
     if (w.contact_Pa) all["contact_Pa"] = json(*w.contact_Pa);
+    if (w.piston_friction) all["piston_friction"] = json(*w.piston_friction);
     return all;
 }
 
@@ -81,6 +82,7 @@ std::vector<Quantity> quantities(const Identified& found) {
         all.push_back({"k_b", "1e-3 m3", scaled(w.gain_m3, 1e3)});
         all.push_back({"mean mu_b", "", w.friction});
         if (w.contact_Pa) all.push_back({"contact pressure", "MPa", scaled(*w.contact_Pa, 1e-6)});
+        if (w.piston_friction) all.push_back({"piston friction", "%", scaled(*w.piston_friction, 100.0)});
         for (std::size_t k = 0; k < w.relative_friction.size(); ++k)
             all.push_back({fmt::format("mu_b({}), power {}", w.friction_class, k), "", w.relative_friction[k]});
     }
@@ -95,8 +97,8 @@ std::string to_table(const Identified& found) {
         table.add(q.name, q.estimate.value, fmt::format(" {}", q.unit), fmt::format("{:.6g} to {:.6g}", q.estimate.low, q.estimate.high));
     if (found.wheel && found.wheel->misfit > kMaxMisfit)
         table.line(
-            fmt::format("warning: brake: the balance of the wheel is off {:.1f} times as far as errors of the sensors explain, in the mean: the torque "
-                        "does not follow pressure as k_b(v) (P - P_c), or not alike in all stops; see wheel.png",
+            fmt::format("warning: brake: the wheel's balance is off {:.1f} times as far as errors of the sensors explain, in the mean: pressure and speed "
+                        "alone do not explain the torque (discs that are not true, heat), or stops differ; see wheel.png",
                         found.wheel->misfit));
     for (const FrictionFit& f : found.surfaces) {
         if (f.curve.magic) table.line(fmt::format("{}: a magic formula fits better than eq. (4)", f.surface));

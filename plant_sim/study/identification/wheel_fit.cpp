@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "plant_sim/model/clamp.hpp"
 #include "plant_sim/study/order_statistics.hpp"
 
 namespace identification {
@@ -25,7 +26,9 @@ constexpr double kMinStop_mps = 20.0;      // a stop from a lower speed does not
 constexpr double kSettle_s = 0.05;
 constexpr double kContact_s = 5e-3;  // error of the instant of contact: half of the interval of the load readings
 constexpr double kContactStart_MPa = 0.5, kMaxContact_MPa = 10.0;
-constexpr double kSurely = 25.0;  // decrease of the sum of squares, of residuals in standard deviations: five of one parameter
+constexpr double kPistonStart = 0.02, kMaxPiston = 0.5;
+constexpr int kSmooth = 5;
+constexpr double kSurely = 25.0;  // decrease of the sum of squares for a parameter, in squares of the residuals' deviation: five deviations of it
 
 using Powers = std::array<double, kPowers>;
 
@@ -35,13 +38,14 @@ struct Row {
     double momentum_Nms = 0.0;  // integral of r m dv since the start
     double omega_radps = 0.0;
     double coasting_s = 0.0;  // time off the rim since the start
-    Powers impulse{};         // integral of G (P - contact)+ x^k dt, mean over the window
+    Powers impulse{};         // integral of G P_clamp x^k dt, mean over the window
 };
 
 /// One sample of the gauge.
 struct Reading {
     double time_s = 0.0;
     double pressure_Pa = 0.0;  // 0 before brake-on, where a reading is noise, cut off at zero
+    double smooth_Pa = 0.0;    // mean of kSmooth readings: discs that follow the gauge's noise would never let go
     double x = 0.0;
 };
 
@@ -75,19 +79,30 @@ std::vector<Reading> readings(const Run& run, const Motion& motion, const std::v
             all.push_back({.time_s = s.time_s,
                            .pressure_Pa = s.time_s < motion.brake_on_s() ? 0.0 : s.pressure_Pa,
                            .x = std::min(speed_at(rows, s.time_s) / motion.brake_on_mps(), 1.0)});
+    constexpr std::ptrdiff_t kHalf = kSmooth / 2;
+    const auto size = static_cast<std::ptrdiff_t>(all.size());
+    for (std::ptrdiff_t i = 0; i < size; ++i) {
+        const std::ptrdiff_t half = std::min({kHalf, i, size - 1 - i});
+        double sum = 0.0;
+        for (std::ptrdiff_t k = i - half; k <= i + half; ++k) sum += all[static_cast<std::size_t>(k)].pressure_Pa;
+        all[static_cast<std::size_t>(i)].smooth_Pa = sum / static_cast<double>(2 * half + 1);
+    }
     return all;
 }
 
 /// The mean of the running integral over each window up to the last reading, from integrals of integrals: a window need not begin at a sample.
-std::vector<Powers> impulses(const Segment& segment, double contact_Pa) {
+std::vector<Powers> impulses(const Segment& segment, const rig::Clamping& clamping) {
     std::vector<Powers> all;
     all.reserve(segment.middles_s.size());
     Powers power_last{}, sum{}, sum_of_sums{};
     Powers at_start{};  // sum_of_sums at the start of the window
     double last_s = segment.readings.empty() ? 0.0 : segment.readings.front().time_s;
     bool inside = false;
+    plant::Clamp clamp(clamping);
     for (const Reading& reading : segment.readings) {
-        double power = segment.gain_m3 * std::max(reading.pressure_Pa - contact_Pa, 0.0);
+        const double pressure_Pa = clamping.piston_friction > 0.0 ? reading.smooth_Pa : reading.pressure_Pa;
+        clamp.follow(plant::PressureArc::linear(pressure_Pa, pressure_Pa), 0.0, 0.0);
+        double power = segment.gain_m3 * clamp.pressure_Pa(0.0);
         const double step_s = reading.time_s - last_s;
         const Powers before = sum_of_sums;
         for (std::size_t k = 0; k < kPowers; ++k) {
@@ -116,8 +131,8 @@ std::vector<Powers> impulses(const Segment& segment, double contact_Pa) {
 }
 
 /// Sets the rows' impulses.
-void press(Segment& segment, double contact_Pa) {
-    const std::vector<Powers> all = impulses(segment, contact_Pa);
+void press(Segment& segment, const rig::Clamping& clamping) {
+    const std::vector<Powers> all = impulses(segment, clamping);
     auto row = segment.rows.begin();
     for (std::size_t i = 0; i < all.size() && row != segment.rows.end(); ++i)
         if (row->time_s == segment.middles_s[i]) (row++)->impulse = all[i];
@@ -218,7 +233,7 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
     s.readings = readings(run, motion, s.rows);
     s.middles_s.reserve(s.rows.size());
     for (const Row& row : s.rows) s.middles_s.push_back(row.time_s);
-    s.middles_s.resize(impulses(s, 0.0).size());
+    s.middles_s.resize(impulses(s, {}).size());
     s.rows.resize(s.middles_s.size());
     // A window around contact would be on both sides of it.
     std::erase_if(s.rows, [&](const Row& row) { return std::abs(row.time_s - motion.contact_s()) < kSettle_s; });
@@ -235,21 +250,32 @@ Estimate with_error(const Estimate& e, double deviation) {
             .high = e.value + (e.high - e.value) * factor};
 }
 
-/// theta: J_w, the kPowers friction coefficients, the contact pressure in MPa if it is free, then offset and drag of each segment.
+/// Which part of rig::Clamping a fit looks for; the other is 0.
+struct Sought {
+    bool contact = false, piston_friction = false;
+};
+
+/// theta: J_w, the kPowers friction coefficients, the contact pressure in MPa and the piston friction as far as they are sought, then offset and drag
+/// of each segment.
 class Balance {
   public:
-    Balance(std::vector<Segment> segments, bool contact_free) : segments_(std::move(segments)), contact_free_(contact_free) {
+    Balance(std::vector<Segment> segments, const Sought& sought) : segments_(std::move(segments)), sought_(sought) {
         for (Segment& s : segments_) {
-            press(s, 0.0);
+            press(s, clamping_);
             rows_ += s.rows.size();
         }
     }
 
-    [[nodiscard]] Index common() const { return 1 + static_cast<Index>(kPowers) + (contact_free_ ? 1 : 0); }
+    [[nodiscard]] Index contact() const { return 1 + static_cast<Index>(kPowers); }
+    [[nodiscard]] Index piston_friction() const { return contact() + (sought_.contact ? 1 : 0); }
+    [[nodiscard]] Index common() const { return piston_friction() + (sought_.piston_friction ? 1 : 0); }
+    [[nodiscard]] const Sought& sought() const { return sought_; }
+    [[nodiscard]] std::size_t rows() const { return rows_; }
     [[nodiscard]] Index parameters() const { return common() + 2 * static_cast<Index>(segments_.size()); }
 
     void residuals(const VectorXd& theta, VectorXd& out) {
-        press_all(contact_free_ ? theta[common() - 1] * 1e6 : 0.0);
+        clamp({.contact_Pa = sought_.contact ? theta[contact()] * 1e6 : 0.0,
+               .piston_friction = sought_.piston_friction ? theta[piston_friction()] : 0.0});
         out.resize(static_cast<Index>(rows_));
         Index n = 0;
         Index own = common();
@@ -285,44 +311,74 @@ class Balance {
     }
 
   private:
-    void press_all(double contact_Pa) {
-        if (contact_Pa == contact_Pa_) return;
-        contact_Pa_ = contact_Pa;
-        for (Segment& s : segments_) press(s, contact_Pa);
+    void clamp(const rig::Clamping& clamping) {
+        if (clamping.contact_Pa == clamping_.contact_Pa && clamping.piston_friction == clamping_.piston_friction) return;
+        clamping_ = clamping;
+        for (Segment& s : segments_) press(s, clamping);
     }
 
     std::vector<Segment> segments_;
-    bool contact_free_;
-    double contact_Pa_ = 0.0;
+    Sought sought_;
+    rig::Clamping clamping_{};
     std::size_t rows_ = 0;
 };
 
-Fit fit_balance(Balance& balance) {
+struct Candidate {
+    Balance balance;
+    Fit fit;
+    [[nodiscard]] double square() const { return fit.residuals.squaredNorm(); }
+    /// Whether all that was sought is above 0 beyond doubt.
+    [[nodiscard]] bool shown() const {
+        for (Index i = balance.contact(); i < balance.common(); ++i)
+            if (!(fit.estimate(i).low > 0.0)) return false;
+        return true;
+    }
+};
+
+Candidate candidate(const std::vector<Segment>& segments, const Sought& sought) {
+    Balance balance(segments, sought);
     const Index n = balance.parameters();
-    const Index common = balance.common();
-    const Index powers = static_cast<Index>(kPowers);
     LeastSquares min;
     min.start = VectorXd::Zero(n);
     min.start[0] = 1.0;
     min.start[1] = 0.3;
     min.scale = VectorXd::Constant(n, 10.0);
-    min.scale.head(common).setConstant(0.1);
+    min.scale.head(balance.common()).setConstant(0.1);
     min.min = VectorXd::Constant(n, -1e9);
     min.max = VectorXd::Constant(n, 1e9);
     std::vector<std::string> names{"the wheel's inertia"};
-    for (Index i = 1; i < n; ++i)
-        names.emplace_back(i <= powers  ? "the brake's friction over speed"
-                           : i < common ? "the pressure at which the discs touch"
-                                        : "the rim's drag before touchdown");
-    if (common > 1 + powers) {
-        min.start[common - 1] = kContactStart_MPa;
-        min.min[common - 1] = 0.0;
-        min.max[common - 1] = kMaxContact_MPa;
+    names.resize(static_cast<std::size_t>(balance.contact()), "the brake's friction over speed");
+    if (sought.contact) {
+        names.emplace_back("the pressure at which the discs touch");
+        min.start[balance.contact()] = kContactStart_MPa;
+        min.min[balance.contact()] = 0.0;
+        min.max[balance.contact()] = kMaxContact_MPa;
     }
+    if (sought.piston_friction) {
+        names.emplace_back("the friction of its pistons");
+        min.start[balance.piston_friction()] = kPistonStart;
+        min.min[balance.piston_friction()] = 0.0;
+        min.max[balance.piston_friction()] = kMaxPiston;
+    }
+    names.resize(static_cast<std::size_t>(n), "the rim's drag before touchdown");
     Fit found = fit(min, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
     VectorXd last;
     balance.residuals(found.theta, last);
-    return found;
+    return {std::move(balance), std::move(found)};
+}
+
+/// A parameter more than the brake has would widen the intervals of the others: each must explain more than chance would.
+Candidate best_candidate(const std::vector<Segment>& segments) {
+    Candidate best = candidate(segments, {});
+    if (best.fit.rms <= 1.0) return best;  // errors of the sensors explain all
+    constexpr std::array<Sought, 3> kMore{{{.contact = true}, {.piston_friction = true}, {.contact = true, .piston_friction = true}}};
+    for (const Sought& sought : kMore) {
+        const Candidate next = candidate(segments, sought);
+        const double more = static_cast<double>(next.balance.common() - best.balance.common());
+        const double unit = std::max(next.square() / static_cast<double>(next.balance.rows()), 1.0);
+        if (next.shown() && next.square() + kSurely * unit * more < best.square()) best = next;
+    }
+    return best;
 }
 
 }  // namespace
@@ -351,13 +407,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
                         "slow_braking.toml), J_w its touchdown",
                         friction_class, kMinStop_mps));
     }
-    // A parameter more than the brake has would widen the intervals of the others.
-    Balance with_contact(segments, true), without_contact(std::move(segments), false);
-    const Fit free = fit_balance(with_contact);
-    const Fit zero = fit_balance(without_contact);
-    const bool touches = free.residuals.squaredNorm() + kSurely < zero.residuals.squaredNorm();
-    const Balance& balance = touches ? with_contact : without_contact;
-    const Fit& found = touches ? free : zero;
+    const auto [balance, found] = best_candidate(segments);
     const Index n = balance.parameters();
 
     WheelFit out;
@@ -378,7 +428,8 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
         e.high += shift;
         out.relative_friction[k] = e;
     }
-    if (touches) out.contact_Pa = scaled(found.estimate(balance.common() - 1), 1e6);
+    if (balance.sought().contact) out.contact_Pa = scaled(found.estimate(balance.contact()), 1e6);
+    if (balance.sought().piston_friction) out.piston_friction = found.estimate(balance.piston_friction());
     out.gain_m3 = scaled(out.friction, runs.front().rig.brake_gain_m3);
     out.friction_class = friction_class;
     out.misfit = found.rms;

@@ -1,9 +1,9 @@
 /// Wheel inertia J_w and brake gain k_b from eq. (1), with the road's force eliminated:
 ///
-///     J_w domega/dt + r m dv/dt = -k_b(v) (P - P_c)+,      k_b(v) = G (a0 + a1 x + a2 x^2 + a3 x^3),  x = v / v_brake_on
+///     J_w domega/dt + r m dv/dt = -k_b(v) P_clamp,      k_b(v) = G (a0 + a1 x + a2 x^2 + a3 x^3),  x = v / v_brake_on
 ///
-/// integrated from before the wheel touches the rim: the spin-up determines J_w, braking k_b. P_c is the pressure at which the discs touch
-/// (rig::Clamping), 0 in eq. (5): it is found where pressure changes much within a stop or between stops. Speeds are distances by the encoders over windows; m is
+/// integrated from before the wheel touches the rim: the spin-up determines J_w, braking k_b. P_clamp is the pressure P of eq. (5), or what contact
+/// pressure and piston friction (rig::Clamping) leave of it, where the recordings show them. Speeds are distances by the encoders over windows; m is
 /// the flywheel's mass, G the brake's geometry of eq. (5). The rim's drag counts while the wheel is off it.
 #pragma once
 
@@ -30,7 +30,7 @@ struct WheelFit {
     Estimate inertia_kgm2;  ///< J_w
     Estimate gain_m3;       ///< k_b, mean over a stop of constant deceleration
     Estimate friction;      ///< mean mu_b, k_b without geometry
-    std::optional<Estimate> contact_Pa;  ///< P_c; none: the recordings show no other than 0
+    std::optional<Estimate> contact_Pa, piston_friction;  ///< of rig::Clamping; none: the recordings show no other than 0
     std::string friction_class;
     std::array<Estimate, 4> relative_friction;  ///< mu_b over its mean, powers of x
     double misfit = 0.0;  ///< of the balance, over what errors of the sensors explain, RMS: about 1 for a brake of this form

@@ -134,12 +134,13 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
         const WheelFit& w = *found.wheel;
         plant.set("wheel", "inertia_kgm2", w.inertia_kgm2);
         plant.set("brake", "friction", w.friction);
-        if (w.contact_Pa && !plant.has("brake.clamping"))
+        const bool clamps = w.contact_Pa.has_value() || w.piston_friction.has_value();
+        if (clamps && !plant.has("brake.clamping"))
             plant.append("brake.clamping", {"contact_Pa = 0.0", "piston_friction = 0.0", "run_out = 0.0", "warp = 0.0"});
-        if (w.contact_Pa)
-            plant.set("brake.clamping", "contact_Pa", *w.contact_Pa);
-        else if (plant.has("brake.clamping"))
-            plant.set("brake.clamping", "contact_Pa", "0.0", "");
+        if (plant.has("brake.clamping")) {
+            plant.set("brake.clamping", "contact_Pa", w.contact_Pa.value_or(Estimate{}));
+            plant.set("brake.clamping", "piston_friction", w.piston_friction.value_or(Estimate{}));
+        }
         std::vector<std::string> relative;
         relative.reserve(w.relative_friction.size());
         for (const Estimate& e : w.relative_friction) relative.push_back(fmt::format("{:.7g}", e.value));
