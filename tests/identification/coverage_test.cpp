@@ -156,8 +156,8 @@ TEST_CASE("a magic formula's curve is found within 1 % of its peak, far beyond t
 }
 
 TEST_CASE("what springs and pistons take off the pressure is found with the brake's friction", "[STUDY-100]") {
-    const rig::Clamping truth = GENERATE(rig::Clamping{.contact_Pa = 0.2e6}, rig::Clamping{.contact_Pa = 1.5e6}, rig::Clamping{.piston_friction = 0.02},
-                                         rig::Clamping{.contact_Pa = 0.8e6, .piston_friction = 0.05});
+    const rig::Clamping truth = GENERATE(rig::Clamping{.contact_Pa = 0.2e6}, rig::Clamping{.contact_Pa = 1.5e6},
+                                         rig::Clamping{.piston_friction = 0.02}, rig::Clamping{.contact_Pa = 0.8e6, .piston_friction = 0.05});
     const auto wheel = identification::fit_wheel(stops(truth, 7), "heavy");
     CAPTURE(truth.contact_Pa, truth.piston_friction, wheel.friction.value, wheel.inertia_kgm2.value, wheel.misfit);
     const double contact_Pa = wheel.contact_Pa.value_or(Estimate{}).value, piston_friction = wheel.piston_friction.value_or(Estimate{}).value;
@@ -196,7 +196,8 @@ TEST_CASE("friction is found within 1 %, whatever springs and pistons take off t
         if (wheel.piston_friction) count(coverage, "pistons", *wheel.piston_friction, truth.piston_friction);
     }
     for (const auto& [name, h] : coverage) std::printf("%-12s %d of %d, mean error %+.2f deviations\n", name.c_str(), h.hits, h.all, h.sum / h.all);
-    std::printf("largest error: friction %.4f of it, contact pressure %.0f Pa, piston friction %.4f; misfit up to %.2f\n", friction, contact_Pa, piston, misfit);
+    std::printf("largest error: friction %.4f of it, contact pressure %.0f Pa, piston friction %.4f; misfit up to %.2f\n", friction, contact_Pa,
+                piston, misfit);
     CHECK(friction < 0.01);
 }
 

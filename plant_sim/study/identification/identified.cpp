@@ -96,10 +96,10 @@ std::string to_table(const Identified& found) {
     for (const Quantity& q : quantities(found))
         table.add(q.name, q.estimate.value, fmt::format(" {}", q.unit), fmt::format("{:.6g} to {:.6g}", q.estimate.low, q.estimate.high));
     if (found.wheel && found.wheel->misfit > kMaxMisfit)
-        table.line(
-            fmt::format("warning: brake: the wheel's balance is off {:.1f} times as far as errors of the sensors explain, in the mean: pressure and speed "
-                        "alone do not explain the torque (discs that are not true, heat), or stops differ; see wheel.png",
-                        found.wheel->misfit));
+        table.line(fmt::format(
+            "warning: brake: the wheel's balance is off {:.1f} times as far as errors of the sensors explain, in the mean: pressure and speed "
+            "alone do not explain the torque (discs that are not true, heat), or stops differ; see wheel.png",
+            found.wheel->misfit));
     for (const FrictionFit& f : found.surfaces) {
         if (f.curve.magic) table.line(fmt::format("{}: a magic formula fits better than eq. (4)", f.surface));
         if (f.misfit > kMaxMisfit)

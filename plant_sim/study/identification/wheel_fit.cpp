@@ -57,8 +57,8 @@ struct Segment {
     double radius_share = 0.0;  // relative deviation of the free radius
     double gain_m3 = 0.0;       // G
     std::vector<Reading> readings;
-    std::vector<double> middles_s;  // of the windows, without a gap between them
-    std::vector<Row> rows;          // those of them that count
+    std::vector<double> middles_s;      // of the windows, without a gap between them
+    std::vector<Row> rows;              // those of them that count
     Eigen::LLT<Eigen::MatrixXd> noise;  // of the rows' expected covariance, (N m s)^2
 };
 

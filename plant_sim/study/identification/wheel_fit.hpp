@@ -27,13 +27,13 @@ struct WheelResiduals {
 };
 
 struct WheelFit {
-    Estimate inertia_kgm2;  ///< J_w
-    Estimate gain_m3;       ///< k_b, mean over a stop of constant deceleration
-    Estimate friction;      ///< mean mu_b, k_b without geometry
+    Estimate inertia_kgm2;                                ///< J_w
+    Estimate gain_m3;                                     ///< k_b, mean over a stop of constant deceleration
+    Estimate friction;                                    ///< mean mu_b, k_b without geometry
     std::optional<Estimate> contact_Pa, piston_friction;  ///< of rig::Clamping; none: the recordings show no other than 0
     std::string friction_class;
     std::array<Estimate, 4> relative_friction;  ///< mu_b over its mean, powers of x
-    double misfit = 0.0;  ///< of the balance, over what errors of the sensors explain, RMS: about 1 for a brake of this form
+    double misfit = 0.0;                        ///< of the balance, over what errors of the sensors explain, RMS: about 1 for a brake of this form
     double lags_s = 0.0;
     std::vector<WheelResiduals> residuals;
 };
