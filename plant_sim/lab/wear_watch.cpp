@@ -72,14 +72,14 @@ struct WatchCommand {
         return before == wear::Condition::abnormal ? 1 : 0;
     }
     int run_trial(const wear::PopulationFile& file) const {
-        using wear::Fault;
+        using wear::BrakeFault;
         struct Case {
-            Fault fault;
+            BrakeFault fault;
             double size;
         };
-        constexpr std::array kCases{Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
-                                    Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
-                                    Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
+        constexpr std::array kCases{Case{BrakeFault::glazing, 0.05}, Case{BrakeFault::glazing, 0.10}, Case{BrakeFault::glazing, 0.20},
+                                    Case{BrakeFault::drop, 0.05},    Case{BrakeFault::drop, 0.10},    Case{BrakeFault::drop, 0.20},
+                                    Case{BrakeFault::drag, 0.05},    Case{BrakeFault::drag, 0.10},    Case{BrakeFault::drag, 0.20}};
         const std::vector<wear::Campaign> healthy = rig::replay::load_campaigns({from.source}, from.off);
         const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
         const auto tried = settings::step_progress("trials");

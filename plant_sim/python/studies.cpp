@@ -39,7 +39,7 @@ StudyFiles sweep_study(const sweep::SweepPlanOptions& options, unsigned threads)
     std::atomic<bool> stop{false};
     const auto study = [&] {
         const sweep::SweepPlan plan = sweep::load_plan(asked);
-        const std::vector<sweep::Row> rows =
+        const std::vector<sweep::SweptStop> rows =
             sweep::run(plan, study::team::order_of_work(plan.stops()), {.threads = threads_of(threads), .stop = &stop});
         if (rows.size() < plan.stops()) return StudyFiles{};
         const sweep::Identity identity = sweep::identity_of(plan);
@@ -56,7 +56,7 @@ StudyFiles robust_study(const robust::RobustPlanOptions& options, unsigned threa
     std::atomic<bool> stop{false};
     const auto study = [&] {
         const robust::RobustPlan plan = robust::load_plan(options);
-        const std::vector<robust::Row> rows = robust::run(plan, {.threads = threads_of(threads), .stop = &stop});
+        const std::vector<robust::DrawnStop> rows = robust::run(plan, {.threads = threads_of(threads), .stop = &stop});
         if (rows.size() < plan.stops()) return StudyFiles{};
         StudyFiles files;
         files.results = robust::to_json(plan, rows, robust::summarise(plan, rows));
