@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -45,12 +44,11 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
             "This brake does not go as those did (of their kind with a probability of {:.0f} %): it is given their lives, and little else.\n",
             100.0 * f.population_probability);
     if (f.crossed_ever < 1.0)
-        fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
-                       f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
-                       100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
+        text += fmt::format("{} within the horizon of {} landings with a probability of {:.0f} %.\n", f.never_crosses() ? "Not crossed" : "Crossed",
+                            settings.horizon, 100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
     if (f.extrapolated > 0.0)
-        fmt::format_to(std::back_inserter(text), "{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n",
-                       std::ceil(100.0 * f.extrapolated), wear::kHowItExtrapolates);
+        text += fmt::format("{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n", std::ceil(100.0 * f.extrapolated),
+                            wear::kHowItExtrapolates);
     return text;
 }
 
