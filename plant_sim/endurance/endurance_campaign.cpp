@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "firmware/host/settings/hash.hpp"
-#include "plant_sim/endurance/outcome_summary.hpp"
 #include "plant_sim/endurance/test_cell.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/record/health_watch.hpp"

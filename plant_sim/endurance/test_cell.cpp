@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/can/names.hpp"
+#include "firmware/can/value_names.hpp"
 #include "firmware/host/seconds.hpp"
 #include "plant_sim/study/loop.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
@@ -143,6 +145,18 @@ Outcome TestCell::run(const rig::Plan& plan, const PeriodObserver& observe) {
         for (std::int64_t i = 0; i < periods_per_step_; ++i) period(outputs, meter, observe);
     }
     return {.phase = sequencer.phase(), .abort = sequencer.abort(), .figures = meter.figures(), .faults = faults_, .warnings = meter.warnings()};
+}
+
+rig::record::Summary summary_of(const rig::record::Summary& head, const Outcome& outcome, const std::vector<rig::Band>& bands) {
+    rig::record::Summary summary = head;
+    const bool finished = outcome.phase == rig::Phase::finished;
+    summary.outcome = finished ? name(outcome.phase) : name(outcome.abort);
+    summary.figures = outcome.figures;
+    summary.warnings = outcome.warnings;
+    summary.cumulative_energy_J += outcome.figures.energy_brake_J;
+    summary.faults = antiskid::can::fault_names(outcome.faults);
+    if (finished && !bands.empty()) summary.out_of_tolerance = rig::out_of_tolerance(bands, summary.figures);
+    return summary;
 }
 
 }  // namespace endurance

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "firmware/can/layout.hpp"
 #include "firmware/can/rounded_link.hpp"
@@ -18,6 +19,8 @@
 #include "rig_bridge/bridge/reset_request.hpp"
 #include "rig_bridge/bridge/translate.hpp"
 #include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/record/summary.hpp"
+#include "rig_bridge/rig/acceptance.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 
 namespace endurance {
@@ -83,5 +86,9 @@ class TestCell {
     antiskid::control::Command command_;  // its newest
     antiskid::control::FaultSet faults_;
 };
+
+/// With the same verdicts as rig-bridge's. `head`: what was known before; its cumulative energy is that before this maneuver. `bands`: of the
+/// scenario; empty: none.
+[[nodiscard]] rig::record::Summary summary_of(const rig::record::Summary& head, const Outcome& outcome, const std::vector<rig::Band>& bands);
 
 }  // namespace endurance

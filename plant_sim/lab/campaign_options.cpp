@@ -6,6 +6,13 @@
 
 namespace plant_sim::lab {
 
+CLI::Option* CampaignOptions::add_to(CLI::App& verb, const std::string& what) {
+    CLI::Option* const option = settings::existing_path(verb.add_option("SOURCE", source, what));
+    verb.add_option("--campaign", campaign, "which of a ledger's campaigns; may be left out for one");
+    add_out_of_tolerance_flag(verb, off);
+    return option;
+}
+
 void PopulationOptions::add_to(CLI::App& verb) {
     auto* const given =
         settings::existing_file(verb.add_option("--model", model, "population.json of `wear population`, or model.json of `wear fit`"));
@@ -25,9 +32,9 @@ void add_origin(CLI::App& verb, std::string& origin) {
         ->check([](const std::string& text) { return wear::is_origin(text) ? std::string() : "an origin begins with 'measured' or 'made up'"; });
 }
 
-void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off) {
+void add_out_of_tolerance_flag(CLI::App& verb, rig::replay::OutOfTolerance& off) {
     verb.add_flag_callback(
-        "--out-of-tolerance", [&off] { off = OutOfTolerance::taken; }, "take a ledger's maneuvers that were out of tolerance, too");
+        "--out-of-tolerance", [&off] { off = rig::replay::OutOfTolerance::taken; }, "take a ledger's maneuvers that were out of tolerance, too");
 }
 
 }  // namespace plant_sim::lab

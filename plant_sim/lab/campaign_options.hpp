@@ -10,9 +10,17 @@
 
 namespace plant_sim::lab {
 
-using rig::replay::load_campaign;
-using rig::replay::load_campaigns;
-using rig::replay::OutOfTolerance;
+/// SOURCE, --campaign and --out-of-tolerance of verbs that read a campaign.
+struct CampaignOptions {
+    std::filesystem::path source;
+    std::string campaign;  ///< of a ledger; empty: the only one
+    rig::replay::OutOfTolerance off = rig::replay::OutOfTolerance::left_out;
+
+    /// Returns SOURCE; `what`: its description.
+    CLI::Option* add_to(CLI::App& verb, const std::string& what);
+    /// Throws settings::Error.
+    [[nodiscard]] wear::Campaign load() const { return rig::replay::load_campaign(source, campaign, off); }
+};
 
 /// --model and --assume-made-up of verbs that judge a brake by a population.
 struct PopulationOptions {
@@ -27,7 +35,7 @@ struct PopulationOptions {
 /// Adds --origin of verbs that learn; by default the campaigns' own origin.
 void add_origin(CLI::App& verb, std::string& origin);
 
-/// Adds --out-of-tolerance of verbs that read campaigns.
-void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off);
+/// Adds --out-of-tolerance of verbs that read several campaigns.
+void add_out_of_tolerance_flag(CLI::App& verb, rig::replay::OutOfTolerance& off);
 
 }  // namespace plant_sim::lab

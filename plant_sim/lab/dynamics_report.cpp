@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "firmware/host/settings/json.hpp"
@@ -111,15 +110,15 @@ std::string to_text(const std::vector<ClassDynamics>& classes) {
     std::string out = table.text() + "\n";
     for (const ClassDynamics& c : classes) {
         const wear::FrictionDynamics& f = c.found;
-        fmt::format_to(std::back_inserter(out), "{}: scatter {:.3f} %, {}; loss by order", c.data.friction_class, f.scale * 100.0, groups_of(f));
-        for (const wear::OrderLoss& o : f.orders) fmt::format_to(std::back_inserter(out), "{} {:.4f}", o.order == 0 ? "" : ",", o.loss);
-        fmt::format_to(std::back_inserter(out), "; at most {:.4f} off the curve in force\n", greatest_difference(c));
+        out += fmt::format("{}: scatter {:.3f} %, {}; loss by order", c.data.friction_class, f.scale * 100.0, groups_of(f));
+        for (const wear::OrderLoss& o : f.orders) out += fmt::format("{} {:.4f}", o.order == 0 ? "" : ",", o.loss);
+        out += fmt::format("; at most {:.4f} off the curve in force\n", greatest_difference(c));
         for (const wear::StopShape& s : f.stops) {
             constexpr double kNoteworthy = 0.1;
             if (!s.used)
-                fmt::format_to(std::back_inserter(out), "  {}: not used, {:.0f} % of its samples lie far off\n", s.source, s.rejected * 100.0);
+                out += fmt::format("  {}: not used, {:.0f} % of its samples lie far off\n", s.source, s.rejected * 100.0);
             else if (s.rejected > kNoteworthy)
-                fmt::format_to(std::back_inserter(out), "  {}: {:.0f} % of its samples lie far off and have no say\n", s.source, s.rejected * 100.0);
+                out += fmt::format("  {}: {:.0f} % of its samples lie far off and have no say\n", s.source, s.rejected * 100.0);
         }
     }
     return out;
@@ -144,9 +143,9 @@ std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHea
         ANTISKID_VERSION, head.config_hash, head.data_hash);
     for (const ClassDynamics& c : classes) {
         const wear::FrictionDynamics& f = c.found;
-        fmt::format_to(std::back_inserter(out), "# {} stops, order {}, 95 %: +- [{:.4f}]\n", f.stops.size(), f.order, fmt::join(f.half_width, ", "));
+        out += fmt::format("# {} stops, order {}, 95 %: +- [{:.4f}]\n", f.stops.size(), f.order, fmt::join(f.half_width, ", "));
         // TOML's numbers have a point: 0.0, not 0.
-        fmt::format_to(std::back_inserter(out), "{} = [{:.6f}]\n", c.data.friction_class, fmt::join(f.curve, ", "));
+        out += fmt::format("{} = [{:.6f}]\n", c.data.friction_class, fmt::join(f.curve, ", "));
     }
     return out;
 }

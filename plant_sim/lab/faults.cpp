@@ -49,7 +49,7 @@ struct FaultsCommand {
         antiskid::host::StopSignals signals;
         const std::vector<std::size_t> numbers = chosen(campaign);
         settings::Progress progress(static_cast<std::int64_t>(numbers.size()), 0);
-        const std::vector<faults::Row> rows =
+        const std::vector<faults::JudgedRun> rows =
             faults::run_campaign(campaign, numbers, {.threads = threads, .stop = &signals.stop(), .progress = [&progress](std::size_t done) {
                                                          progress.show(static_cast<std::int64_t>(done));
                                                      }});
@@ -65,7 +65,8 @@ struct FaultsCommand {
         print_table(json_file, "{}  seed {}, configuration {}, version {}\nWritten to {}: runs.csv results.json{}\n",
                     faults::to_table(campaign, rows, kShown), campaign.seed, campaign.config_hash, campaign.version, out.string(),
                     pictures ? " matrix.png" : "");
-        return std::any_of(rows.begin(), rows.end(), [](const faults::Row& row) { return row.result.verdict.outcome == faults::Outcome::unsafe; })
+        return std::any_of(rows.begin(), rows.end(),
+                           [](const faults::JudgedRun& row) { return row.result.verdict.outcome == faults::Outcome::unsafe; })
                    ? 1
                    : 0;
     }

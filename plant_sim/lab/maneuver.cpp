@@ -9,7 +9,7 @@
 #include "firmware/host/settings/input_file.hpp"
 #include "plant_sim/endurance/endurance_setup.hpp"
 #include "plant_sim/endurance/frame_log.hpp"
-#include "plant_sim/endurance/outcome_summary.hpp"
+#include "plant_sim/endurance/test_cell.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 

@@ -174,8 +174,7 @@ void reject(const std::vector<const CLI::Option*>& options, const std::string& m
         if (o->count() > 0) throw std::invalid_argument(o->get_name() + " needs --tyre " + model);
 }
 
-/// A tyre from the command line, in the place of the one that the rig's file has.
-/// The keys of [tyre] in the rig's file. Numbers may be lists: then every combination of them is a tyre.
+/// The keys of [tyre] in the rig's file, in whose place they are. Numbers may be lists: then every combination of them is a tyre.
 struct TyreOptions {
     std::string model;  ///< empty: as the rig's file has it
     std::vector<double> belt_share{0.35}, frequency_Hz{80.0}, damping{0.06};

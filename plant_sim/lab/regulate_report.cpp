@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <string>
 #include <utility>
 
@@ -110,10 +109,9 @@ std::string to_text(const RegulateReport& r) {
     }
     text += "\n" + table.text() + money_text(r);
     const Summary s = regulation::summary(regulated, possible, r.plan.tolerance);
-    fmt::format_to(std::back_inserter(text), "\n{}\n",
-                   !r.options.worst_stops ? "stop distances were not checked against the floor"
-                   : s.floor_held         ? "no regulated stop was longer than at the worst reference that the floor allows"
-                                          : "A REGULATED STOP WAS LONGER than at the worst reference that the floor allows");
+    text += fmt::format("\n{}\n", !r.options.worst_stops ? "stop distances were not checked against the floor"
+                                  : s.floor_held         ? "no regulated stop was longer than at the worst reference that the floor allows"
+                                                         : "A REGULATED STOP WAS LONGER than at the worst reference that the floor allows");
     return text;
 }
 

@@ -23,11 +23,12 @@ struct RobustCommand {
         const robust::RobustPlan plan = robust::load_plan(options);
         antiskid::host::StopSignals signals;
         settings::Progress progress(static_cast<std::int64_t>(plan.stops()), 0, "stops");
-        const std::vector<robust::Row> rows = robust::run(plan,
-                                                          {.threads = threads_in(team, threads),
-                                                           .stop = &signals.stop(),
-                                                           .progress = [&](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }},
-                                                          team);
+        const std::vector<robust::DrawnStop> rows =
+            robust::run(plan,
+                        {.threads = threads_in(team, threads),
+                         .stop = &signals.stop(),
+                         .progress = [&](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }},
+                        team);
         progress.finish();
         if (team.rank() != 0) return 0;
         if (rows.size() < plan.stops()) {

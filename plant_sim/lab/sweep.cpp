@@ -84,7 +84,7 @@ struct SweepCommand {
             if (!progress) progress.emplace(static_cast<std::int64_t>(all), static_cast<std::int64_t>(before));
             progress->show(static_cast<std::int64_t>(done));
         };
-        const std::vector<sweep::Row> rows = sweep::run_together(study, work, team);
+        const std::vector<sweep::SweptStop> rows = sweep::run_together(study, work, team);
         if (progress) progress->finish();
         if (team.rank() != 0) return 0;
         if (rows.size() < study.stops()) {

@@ -124,13 +124,13 @@ margins::TrialStops trial_stops(const StopOptions& options, const margins::Margi
     return trial;
 }
 
-struct Judged {
+struct JudgedGains {
     std::vector<double> gains;
     margins::WorstScore margins;
     margins::StopsShown stops;
 };
 
-Json to_json(const Judged& j, const margins::TrialStops& trial) {
+Json to_json(const JudgedGains& j, const margins::TrialStops& trial) {
     Json json;
     for (std::size_t i = 0; i < j.gains.size(); ++i) json[margins::gain_names()[i]] = j.gains[i];
     json["margins"] = {{"score", j.margins.value}, {"cells", j.margins.counted}, {"unstable", j.margins.unstable}, {"met", j.margins.met}};
@@ -143,24 +143,26 @@ Json to_json(const Judged& j, const margins::TrialStops& trial) {
 }
 
 /// A column for each of `judged`: the shipped gains, and those that were found.
-void print(const std::vector<Judged>& judged, const margins::TrialStops& trial, const margins::Requirement& asked, const std::string& json_file) {
+void print(const std::vector<JudgedGains>& judged, const margins::TrialStops& trial, const margins::Requirement& asked,
+           const std::string& json_file) {
     auto table = settings::TextTable::markdown(judged.size() > 1 ? "|shipped|tuned" : "|shipped");
     const auto row = [&](const std::string& label, const auto& value) {
         table.add(label);
-        for (const Judged& j : judged) table.add(value(j));
+        for (const JudgedGains& j : judged) table.add(value(j));
     };
     for (std::size_t i = 0; i < margins::gain_names().size(); ++i)
-        row(margins::gain_names()[i], [&](const Judged& j) { return fmt::format("{:.4g}", j.gains[i]); });
-    row("score", [](const Judged& j) { return fmt::format("{:.3f}", j.margins.value); });
-    row(fmt::format("cells that meet {:.0f} deg and {:.0f} dB", asked.phase_deg, asked.gain_dB), [](const Judged& j) { return j.margins.met; });
-    row("unstable cells", [](const Judged& j) { return j.margins.unstable; });
+        row(margins::gain_names()[i], [&](const JudgedGains& j) { return fmt::format("{:.4g}", j.gains[i]); });
+    row("score", [](const JudgedGains& j) { return fmt::format("{:.3f}", j.margins.value); });
+    row(fmt::format("cells that meet {:.0f} deg and {:.0f} dB", asked.phase_deg, asked.gain_dB), [](const JudgedGains& j) { return j.margins.met; });
+    row("unstable cells", [](const JudgedGains& j) { return j.margins.unstable; });
     row(fmt::format("mean J_mu (at least {:.4f})", trial.requirement.mean_j_mu),
-        [](const Judged& j) { return fmt::format("{:.4f}", j.stops.mean_j_mu); });
+        [](const JudgedGains& j) { return fmt::format("{:.4f}", j.stops.mean_j_mu); });
     for (std::size_t g = 0; g < trial.groups.size(); ++g)
         row(fmt::format("J_mu, {} (at least {:.4f})", trial.groups[g], trial.min_j_mu[g]),
-            [&](const Judged& j) { return fmt::format("{:.4f}", j.stops.group_j_mu[g]); });
-    row("longest lock (ms)", [](const Judged& j) { return fmt::format("{:.0f}", j.stops.longest_lock_s * 1e3); });
-    row("least tracked share", [](const Judged& j) { return j.stops.min_tracked ? fmt::format("{:.4f}", *j.stops.min_tracked) : "not measured"; });
+            [&](const JudgedGains& j) { return fmt::format("{:.4f}", j.stops.group_j_mu[g]); });
+    row("longest lock (ms)", [](const JudgedGains& j) { return fmt::format("{:.0f}", j.stops.longest_lock_s * 1e3); });
+    row("least tracked share",
+        [](const JudgedGains& j) { return j.stops.min_tracked ? fmt::format("{:.4f}", *j.stops.min_tracked) : "not measured"; });
     print_table(json_file, "Slip law: least of margins over required, worst of {} cells\n\n{}", judged.front().margins.counted, table.text());
 }
 
@@ -175,12 +177,12 @@ int tune_law(const LawTuning& tuning, const margins::MarginsInput& input, Json& 
     const auto progress = settings::step_progress("gains judged");
     const auto judged = [&](const std::vector<double>& gains) {
         const Config c = margins::with_gains(controller, gains);
-        return Judged{gains, judge.margins_of(c), margins::make_stops(trial, c, std::numeric_limits<double>::infinity())};
+        return JudgedGains{gains, judge.margins_of(c), margins::make_stops(trial, c, std::numeric_limits<double>::infinity())};
     };
 
     std::vector<double> shipped = margins::gains_of(controller);
     for (double& g : shipped) g = margins::rounded(g, tuning.search.digits);
-    const Judged before = judged(shipped);
+    const JudgedGains before = judged(shipped);
     json["shipped"] = to_json(before, trial);
     if (tuning.check) {
         print({before}, trial, tuning.options.requirement, tuning.json_file);
@@ -191,7 +193,7 @@ int tune_law(const LawTuning& tuning, const margins::MarginsInput& input, Json& 
     const margins::Found found = margins::search(law.parameters, score, tuning.search, progress);
     const margins::Found top = margins::climb(law.parameters, found.values, score, law.min_gain, tuning.search, progress);
 
-    const Judged after = judged(top.values);
+    const JudgedGains after = judged(top.values);
     print({before, after}, trial, tuning.options.requirement, tuning.json_file);
     json["evaluations"] = found.evaluations + top.evaluations;
     json["tuned"] = to_json(after, trial);

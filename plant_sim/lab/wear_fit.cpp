@@ -37,9 +37,7 @@ std::string table_of(const wear::Fit& fit, const wear::Model& model) {
 enum class Choose : std::uint8_t { bic, score };
 
 struct FitCommand {
-    std::filesystem::path source;
-    std::string campaign;
-    OutOfTolerance off = OutOfTolerance::left_out;
+    CampaignOptions from;
     std::string origin;
     wear::FitSettings settings;
     Choose choose = Choose::bic;
@@ -49,7 +47,7 @@ struct FitCommand {
     bool pictures = true;
 
     int run() const {
-        wear::Campaign data = load_campaign(source, campaign, off);
+        wear::Campaign data = from.load();
         if (!origin.empty()) data.origin = origin;
         wear::Fit fit = wear::fit(data, settings, {threads, {}, settings::step_progress("steps")});
         const std::vector<double> scores = wear::blocked_scores(data, fit.orders, settings.em, threads);
@@ -79,9 +77,7 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand("fit",
                                          "Gaussian mixtures of eq. (10) to (13) on a campaign; BIC chooses the number of components, or the score: "
                                          "the mean of log p(mean mu_b | energy) of blocks of maneuvers left out of the fit.");
-    settings::existing_path(verb->add_option("SOURCE", fit->source, "as for `wear table`"))->required();
-    verb->add_option("--campaign", fit->campaign, "which of a ledger's campaigns; may be left out for one");
-    add_out_of_tolerance_flag(*verb, fit->off);
+    fit->from.add_to(*verb, "as for `wear table`")->required();
     add_origin(*verb, fit->origin);
     verb->add_option("--components", fit->settings.max_components, "the most that are tried")
         ->check(CLI::Range(std::size_t{1}, wear::kMaxComponents))

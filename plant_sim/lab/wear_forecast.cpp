@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -45,12 +44,11 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
             "This brake does not go as those did (of their kind with a probability of {:.0f} %): it is given their lives, and little else.\n",
             100.0 * f.population_probability);
     if (f.crossed_ever < 1.0)
-        fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
-                       f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
-                       100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
+        text += fmt::format("{} within the horizon of {} landings with a probability of {:.0f} %.\n", f.never_crosses() ? "Not crossed" : "Crossed",
+                            settings.horizon, 100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
     if (f.extrapolated > 0.0)
-        fmt::format_to(std::back_inserter(text), "{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n",
-                       std::ceil(100.0 * f.extrapolated), wear::kHowItExtrapolates);
+        text += fmt::format("{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n", std::ceil(100.0 * f.extrapolated),
+                            wear::kHowItExtrapolates);
     return text;
 }
 
@@ -63,9 +61,7 @@ std::string readings_text(const wear::Campaign& campaign, const wear::Population
 }
 
 struct ForecastCommand {
-    std::filesystem::path source;
-    std::string campaign;
-    OutOfTolerance off = OutOfTolerance::left_out;
+    CampaignOptions from;
     PopulationOptions model;
     wear::ForecastRequest request;
     bool reserve = false;
@@ -84,13 +80,13 @@ struct ForecastCommand {
                         "use at {:.0f} m/s.\n",
                         r->friction, r->torque_Nm, r->speed_mps);
         if (!back_test.empty()) return run_back_test(file, resolved);
-        if (source.empty()) throw std::invalid_argument("SOURCE is missing: the brake's campaign so far");
+        if (from.source.empty()) throw std::invalid_argument("SOURCE is missing: the brake's campaign so far");
         return run_forecast(file, resolved);
     }
 
   private:
     [[nodiscard]] int run_forecast(const wear::PopulationFile& file, const wear::ResolvedRequest& resolved) const {
-        const wear::Campaign recorded = load_campaign(source, campaign, off);
+        const wear::Campaign recorded = from.load();
         const wear::ForecastAnswer answer = wear::answer(request, resolved, file, recorded);
         print_table(json_file, "By brakes {}.\n{}{}", file.population.provenance.sentence(), text_of(answer.forecast, resolved.settings, answer.mix),
                     readings_text(recorded, file.population, request.method));
@@ -101,7 +97,7 @@ struct ForecastCommand {
     }
     int run_back_test(const wear::PopulationFile& file, const wear::ResolvedRequest& resolved) const {
         const wear::ForecastSettings& settings = resolved.settings;
-        const std::vector<wear::Campaign> campaigns = load_campaigns({back_test}, off);
+        const std::vector<wear::Campaign> campaigns = rig::replay::load_campaigns({back_test}, from.off);
         wear::FitSettings fit;
         fit.max_components = 8;
         fit.starts = 10;
@@ -152,9 +148,7 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     const auto f = std::make_shared<ForecastCommand>();
     CLI::App* verb =
         wear.add_subcommand("forecast", "Landings left until the brake's mean friction, without the scatter of single maneuvers, is below a limit.");
-    settings::existing_path(verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`"));
-    verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
-    add_out_of_tolerance_flag(*verb, f->off);
+    f->from.add_to(*verb, "the brake's campaign so far, as for `wear table`");
     f->model.add_to(*verb);
     auto* const limit = verb->add_option("--limit", f->request.limit, "mean friction")->check(CLI::Range(0.001, 1.5));
     verb->add_flag("--reserve", f->reserve, "the limit is where full pressure no longer gives the torque that a heavy stop on dry asphalt can use")

@@ -16,17 +16,17 @@ namespace {
 struct PopulationCommand {
     std::vector<std::filesystem::path> sources;
     std::vector<std::filesystem::path> healthy;
-    OutOfTolerance off = OutOfTolerance::left_out;
+    rig::replay::OutOfTolerance off = rig::replay::OutOfTolerance::left_out;
     std::string origin;
     wear::LearnSettings settings;
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
 
     int run() {
-        std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
+        std::vector<wear::Campaign> campaigns = rig::replay::load_campaigns(sources, off);
         if (!origin.empty())
             for (wear::Campaign& c : campaigns) c.origin = origin;
-        settings.healthy = load_campaigns(healthy, off);
+        settings.healthy = rig::replay::load_campaigns(healthy, off);
         const wear::Population p = wear::learn_population(campaigns, settings, settings::step_progress("steps"));
         print_table(json_file,
                     "Learnt from brakes {}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset of a brake "

@@ -46,9 +46,7 @@ settings::Json json_of(const wear::Comparison& c) {
 }
 
 struct SimulateCommand {
-    std::filesystem::path source;
-    std::string campaign;
-    OutOfTolerance off = OutOfTolerance::left_out;
+    CampaignOptions from;
     std::filesystem::path model;
     std::string replay;  ///< empty: torque where it was recorded
     std::string maneuver = rig::kEndurance;
@@ -59,7 +57,7 @@ struct SimulateCommand {
     std::string json_file;  ///< "-": standard output
 
     int run() const {
-        const wear::Campaign recorded = load_campaign(source, campaign, off);
+        const wear::Campaign recorded = from.load();
         if (replay == "torque" && recorded.brakings.empty())
             throw settings::Error(recorded.source, 0, "mean_torque_Nm",
                                   "--replay torque needs the columns brake_on_mps, mean_torque_Nm and mean_load_N, as a ledger has them");
@@ -127,9 +125,7 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand("simulate",
                                          "Fig. 9: the maneuvers of a campaign again with friction drawn from eq. (14), compared with the recorded. "
                                          "Leaves simulated.csv, simulated.json and simulated.png.");
-    settings::existing_path(verb->add_option("SOURCE", simulate->source, "as for `wear table`"))->required();
-    verb->add_option("--campaign", simulate->campaign, "which of a ledger's campaigns; may be left out for one");
-    add_out_of_tolerance_flag(*verb, simulate->off);
+    simulate->from.add_to(*verb, "as for `wear table`")->required();
     settings::existing_file(verb->add_option("--model", simulate->model, "model.json of `wear fit`"))->required();
     settings::one_of(
         verb->add_option("--replay", simulate->replay,

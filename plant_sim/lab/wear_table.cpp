@@ -25,13 +25,11 @@ std::string as_json(const wear::Campaign& data) {
 }
 
 struct TableCommand {
-    std::filesystem::path source;
-    std::string campaign;
-    OutOfTolerance off = OutOfTolerance::left_out;
+    CampaignOptions from;
     std::string csv, json_file;
 
     int run() const {
-        const wear::Campaign data = load_campaign(source, campaign, off);
+        const wear::Campaign data = from.load();
         if (csv != "-" && json_file != "-") {
             auto table = settings::TextTable::screen("maneuver:>8|mean_friction:>15.5f|brake_energy_MJ:>18|cumulative_energy_MJ:>24.4f");
             for (std::size_t i = 0; i < data.points.size(); ++i) {
@@ -53,13 +51,10 @@ LabVerb wear_table_verb(CLI::App& wear) {
     const auto table = std::make_shared<TableCommand>();
     CLI::App* verb =
         wear.add_subcommand("table", "Mean friction by eq. (7), brake energy by eq. (9) and cumulative energy of every maneuver of a campaign.");
-    settings::existing_path(
-        verb->add_option(
-            "SOURCE", table->source,
-            "ledger, directory with campaign.sqlite, or CSV with the columns cumulative_energy_MJ (or cumulative_energy_J) and mean_friction"))
+    table->from
+        .add_to(*verb,
+                "ledger, directory with campaign.sqlite, or CSV with the columns cumulative_energy_MJ (or cumulative_energy_J) and mean_friction")
         ->required();
-    verb->add_option("--campaign", table->campaign, "which of a ledger's campaigns; may be left out for one");
-    add_out_of_tolerance_flag(*verb, table->off);
     settings::result_file(verb->add_option("--csv", table->csv, "the table, exact; - for standard output instead"));
     settings::add_json(*verb, table->json_file, "the table");
     verb->footer("Examples:\n  rig-lab wear table out/endurance\n  rig-lab wear table measured.csv --csv -");

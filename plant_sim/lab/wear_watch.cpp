@@ -20,9 +20,7 @@ namespace {
 using settings::Json;
 
 struct WatchCommand {
-    std::filesystem::path source;
-    std::string campaign;
-    OutOfTolerance off = OutOfTolerance::left_out;
+    CampaignOptions from;
     PopulationOptions model;
     bool trial = false;
     std::uint64_t seed = 1;
@@ -38,7 +36,7 @@ struct WatchCommand {
 
   private:
     int watch(const wear::PopulationFile& file) const {
-        const wear::Campaign recorded = load_campaign(source, campaign, off);
+        const wear::Campaign recorded = from.load();
         wear::HealthMonitor monitor(file.population);
         std::vector<wear::Verdict> verdicts;
         verdicts.reserve(recorded.points.size());
@@ -74,15 +72,15 @@ struct WatchCommand {
         return before == wear::Condition::abnormal ? 1 : 0;
     }
     int run_trial(const wear::PopulationFile& file) const {
-        using wear::Fault;
+        using wear::BrakeFault;
         struct Case {
-            Fault fault;
+            BrakeFault fault;
             double size;
         };
-        constexpr std::array kCases{Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
-                                    Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
-                                    Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
-        const std::vector<wear::Campaign> healthy = load_campaigns({source}, off);
+        constexpr std::array kCases{Case{BrakeFault::glazing, 0.05}, Case{BrakeFault::glazing, 0.10}, Case{BrakeFault::glazing, 0.20},
+                                    Case{BrakeFault::drop, 0.05},    Case{BrakeFault::drop, 0.10},    Case{BrakeFault::drop, 0.20},
+                                    Case{BrakeFault::drag, 0.05},    Case{BrakeFault::drag, 0.10},    Case{BrakeFault::drag, 0.20}};
+        const std::vector<wear::Campaign> healthy = rig::replay::load_campaigns({from.source}, from.off);
         const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
         const auto tried = settings::step_progress("trials");
         tried(1, kCases.size() + 1);
@@ -125,11 +123,7 @@ LabVerb wear_watch_verb(CLI::App& wear) {
     const auto watch = std::make_shared<WatchCommand>();
     CLI::App* verb =
         wear.add_subcommand("watch", "Health of a brake after each maneuver: does its friction go on as that of brakes like those the model knows?");
-    settings::existing_path(
-        verb->add_option("SOURCE", watch->source, "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV"))
-        ->required();
-    verb->add_option("--campaign", watch->campaign, "which of a ledger's campaigns; may be left out for one");
-    add_out_of_tolerance_flag(*verb, watch->off);
+    watch->from.add_to(*verb, "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV")->required();
     watch->model.add_to(*verb);
     verb->add_flag("--trial", watch->trial,
                    "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are flagged when they are put into the "

@@ -1,11 +1,12 @@
-#include "plant_sim/python/bus_log.hpp"
-
+#include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/layout_files.hpp"
-#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/python/arrays.hpp"
+#include "plant_sim/python/bindings.hpp"
 #include "rig_bridge/replay/measured_signals.hpp"
 #include "rig_bridge/replay/sample_table.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
@@ -13,9 +14,15 @@
 
 namespace plant_sim::python {
 
-namespace py = pybind11;
-
 namespace {
+
+struct LogFiles {
+    std::filesystem::path log;
+    std::string scenario;          ///< name in config/scenarios, for teeth and radii
+    std::filesystem::path config;  ///< empty: the programs' default
+    std::filesystem::path dbc, binding;
+    std::optional<std::string> interface;
+};
 
 struct Read {
     std::vector<std::string> names;
@@ -43,8 +50,7 @@ Read read(const LogFiles& files) {
     return out;
 }
 
-}  // namespace
-
+/// The columns of `rig-replay export`, each an array. Problems of the log become Python warnings.
 py::dict read_log(const LogFiles& files) {
     const Read log = [&] {
         const py::gil_scoped_release others_run;
@@ -55,6 +61,19 @@ py::dict read_log(const LogFiles& files) {
     py::dict out;
     for (std::size_t i = 0; i < log.names.size(); ++i) out[log.names[i].c_str()] = column(log.columns[i]);
     return out;
+}
+
+}  // namespace
+
+void bind_bus_log(py::module_& m) {
+    m.def(
+        "read_log",
+        [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,
+           const std::filesystem::path& binding, const std::optional<std::string>& interface) {
+            return read_log({log, scenario, config, dbc, binding, interface});
+        },
+        py::arg("log"), py::kw_only(), py::arg("scenario") = "heavy", py::arg("config") = "", py::arg("dbc") = "", py::arg("binding") = "",
+        py::arg("interface") = py::none());
 }
 
 }  // namespace plant_sim::python

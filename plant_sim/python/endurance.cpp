@@ -1,23 +1,30 @@
-#include "plant_sim/python/endurance.hpp"
-
 #include <fmt/format.h>
 
 #include <atomic>
-#include <memory>
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/endurance/endurance_campaign.hpp"
 #include "plant_sim/endurance/table_three.hpp"
-#include "plant_sim/python/arrays.hpp"
+#include "plant_sim/python/bindings.hpp"
 #include "plant_sim/python/interruptible.hpp"
-#include "plant_sim/study/torque_replay.hpp"
-#include "rig_bridge/replay/campaign_source.hpp"
-#include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim::python {
 
+namespace {
+
+struct EnduranceRequest {
+    std::filesystem::path out, scenario, config;  ///< scenario empty: that of `config`
+    std::int64_t maneuvers = 500;
+    std::uint64_t seed = 1;
+};
+
+/// As `rig-lab endurance`: writes campaign.sqlite in `out`, or continues it. Returns the text of its table.json. Throws std::runtime_error for an
+/// aborted maneuver. The caller must hold Python's lock, which is released during the run.
 std::string endurance_table(const EnduranceRequest& request) {
     if (request.maneuvers < 1) throw std::invalid_argument("maneuvers: expected 1 or more");
     if (request.seed > INT64_MAX) throw std::invalid_argument("seed: expected less than 2^63, as a ledger can hold it");
@@ -38,24 +45,21 @@ std::string endurance_table(const EnduranceRequest& request) {
     return interruptible(campaign, [&] { stop = true; });
 }
 
-pybind11::tuple replayed_wear(const ReplayRequest& request) {
-    std::atomic<bool> stop{false};
-    const auto replay = [&] {
-        const wear::Campaign recorded = rig::replay::load_campaign(request.ledger, request.campaign);
-        rig::ManeuverChoice choice;
-        choice.maneuver = rig::kEndurance;
-        wear::BrakeWear brake;
-        brake.model = std::make_shared<const wear::Model>(wear::from_json("model", request.model));
-        brake.life_J = brake.model->data.last_c_e_J;
-        // The seed as the verb takes it: draws that a campaign of the same seed did not make.
-        const wear::BrakeState state{.seed = ~request.seed, .maneuvers = 0, .c_e_J = wear::taken_before_J(recorded)};
-        return study::replay_torques(recorded, rig::load_rig(request.config, choice), {brake, {}, state}, [&](std::size_t) {
-            if (stop) throw std::runtime_error("stopped");
-        });
-    };
-    const study::TorqueReplay replayed = interruptible(replay, [&] { stop = true; });
-    return pybind11::make_tuple(column(replayed.simulated.points, [](const wear::Point& p) { return p.c_e_J; }),
-                                column(replayed.simulated.points, [](const wear::Point& p) { return p.mean_friction; }));
+}  // namespace
+
+void bind_endurance(py::module_& m) {
+    const EnduranceRequest campaign;
+    m.def(
+        "endurance",
+        [](const std::filesystem::path& out, std::int64_t maneuvers, std::uint64_t seed, const Directory& scenario, const Directory& config) {
+            return endurance_table({.out = out,
+                                    .scenario = scenario.value_or(std::filesystem::path()),
+                                    .config = directory_of(config),
+                                    .maneuvers = maneuvers,
+                                    .seed = seed});
+        },
+        py::arg("out"), py::kw_only(), py::arg("maneuvers") = campaign.maneuvers, py::arg("seed") = campaign.seed, py::arg("scenario") = py::none(),
+        py::arg("config") = py::none());
 }
 
 }  // namespace plant_sim::python

@@ -1,23 +1,28 @@
-#include "plant_sim/python/ledger.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "plant_sim/python/arrays.hpp"
+#include "plant_sim/python/bindings.hpp"
+#include "plant_sim/python/interruptible.hpp"
+#include "plant_sim/study/torque_replay.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/specimen.hpp"
 #include "rig_bridge/replay/campaign_source.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim::python {
 
-namespace py = pybind11;
 using rig::record::LedgerRow;
 
 namespace {
@@ -81,7 +86,30 @@ std::vector<double> disc_energies_J(const std::vector<LedgerRow>& rows) {
     return energies_J;
 }
 
-}  // namespace
+/// A campaign's ledger; a bridge may write it at the same time.
+class Ledger {
+  public:
+    /// `where`: the ledger or its directory. `campaign` empty: the only one. Throws settings::Error.
+    Ledger(const std::filesystem::path& where, const std::string& campaign);
+
+    [[nodiscard]] const std::string& campaign() const { return campaign_; }
+    [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+    /// An array per column with one value for each attempt, oldest first.
+    [[nodiscard]] py::dict rows() const;
+    /// rows() as pandas.DataFrame; ImportError without pandas.
+    [[nodiscard]] py::object data_frame() const;
+    /// c_e and mean friction of all maneuvers that `rig-lab wear` uses.
+    [[nodiscard]] py::tuple wear(bool out_of_tolerance) const;
+    /// As `rig-lab wear simulate --replay torque` on the endurance rig, by a model.json: arrays of cumulative energy in J and of mean friction.
+    /// Ctrl-C ends it. Throws settings::Error.
+    [[nodiscard]] py::tuple simulated_wear(const py::dict& model, std::uint64_t seed, const Directory& config) const;
+    /// c_e and worn share of the lining at each reading that `rig-lab wear` uses.
+    [[nodiscard]] py::tuple lining() const;
+
+  private:
+    std::filesystem::path file_;
+    std::string campaign_;
+};
 
 Ledger::Ledger(const std::filesystem::path& where, const std::string& campaign)
     : file_(rig::replay::ledger_at(where)), campaign_(rig::replay::chosen_campaign(file_, campaign)) {}
@@ -136,6 +164,41 @@ py::tuple Ledger::lining() const {
     }();
     return py::make_tuple(column(campaign.readings, [](const wear::LiningReading& r) { return r.c_e_J; }),
                           column(campaign.readings, [](const wear::LiningReading& r) { return r.worn; }));
+}
+
+py::tuple Ledger::simulated_wear(const py::dict& model, std::uint64_t seed, const Directory& config) const {
+    const auto text = py::module_::import("json").attr("dumps")(model).cast<std::string>();
+    std::atomic<bool> stop{false};
+    const auto replay = [&] {
+        const wear::Campaign recorded = rig::replay::load_campaign(file_, campaign_);
+        rig::ManeuverChoice choice;
+        choice.maneuver = rig::kEndurance;
+        wear::BrakeWear brake;
+        brake.model = std::make_shared<const wear::Model>(wear::from_json("model", text));
+        brake.life_J = brake.model->data.last_c_e_J;
+        // The seed as the verb takes it: draws that a campaign of the same seed did not make.
+        const wear::BrakeState state{.seed = ~seed, .maneuvers = 0, .c_e_J = wear::taken_before_J(recorded)};
+        return study::replay_torques(recorded, rig::load_rig(directory_of(config), choice), {brake, {}, state}, [&](std::size_t) {
+            if (stop) throw std::runtime_error("stopped");
+        });
+    };
+    const study::TorqueReplay replayed = interruptible(replay, [&] { stop = true; });
+    return py::make_tuple(column(replayed.simulated.points, [](const wear::Point& p) { return p.c_e_J; }),
+                          column(replayed.simulated.points, [](const wear::Point& p) { return p.mean_friction; }));
+}
+
+}  // namespace
+
+void bind_ledger(py::module_& m) {
+    py::class_<Ledger>(m, "Ledger")
+        .def(py::init<const std::filesystem::path&, const std::string&>(), py::arg("where"), py::arg("campaign") = "")
+        .def_property_readonly("campaign", &Ledger::campaign)
+        .def_property_readonly("file", &Ledger::file)
+        .def("rows", &Ledger::rows)
+        .def("data_frame", &Ledger::data_frame)
+        .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false)
+        .def("lining", &Ledger::lining)
+        .def("simulated_wear", &Ledger::simulated_wear, py::arg("model"), py::kw_only(), py::arg("seed") = 1, py::arg("config") = py::none());
 }
 
 }  // namespace plant_sim::python

@@ -1,8 +1,4 @@
 // antiskid._native: what antiskid/__init__.pyi describes.
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -11,14 +7,11 @@
 #include "firmware/control/controller.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/seconds.hpp"
-#include "plant_sim/python/bus_log.hpp"
-#include "plant_sim/python/endurance.hpp"
-#include "plant_sim/python/ledger.hpp"
-#include "plant_sim/python/regulator.hpp"
+#include "plant_sim/python/bindings.hpp"
 #include "plant_sim/python/rig_loop.hpp"
 #include "plant_sim/python/scenario.hpp"
-#include "plant_sim/python/studies.hpp"
-#include "plant_sim/python/wear.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
+#include "rig_bridge/wear/regulation_config.hpp"
 
 namespace plant_sim::python {
 
@@ -118,96 +111,18 @@ void bind_controller(py::module_& m) {
             py::arg("sensors"), py::arg("now_s"));
 }
 
-using Numbers = std::vector<double>;
-using Directory = std::optional<std::filesystem::path>;
-
-std::filesystem::path directory_of(const Directory& config) {
-    return config ? *config : settings::config_directory();
-}
-
-void bind_ledger(py::module_& m) {
-    py::class_<Ledger>(m, "Ledger")
-        .def(py::init<const std::filesystem::path&, const std::string&>(), py::arg("where"), py::arg("campaign") = "")
-        .def_property_readonly("campaign", &Ledger::campaign)
-        .def_property_readonly("file", &Ledger::file)
-        .def("rows", &Ledger::rows)
-        .def("data_frame", &Ledger::data_frame)
-        .def("wear", &Ledger::wear, py::kw_only(), py::arg("out_of_tolerance") = false)
-        .def("lining", &Ledger::lining)
-        .def(
-            "simulated_wear",
-            [](const Ledger& ledger, const py::dict& model, std::uint64_t seed, const Directory& config) {
-                return replayed_wear({.ledger = ledger.file(),
-                                      .config = directory_of(config),
-                                      .campaign = ledger.campaign(),
-                                      .model = py::module_::import("json").attr("dumps")(model).cast<std::string>(),
-                                      .seed = seed});
-            },
-            py::arg("model"), py::kw_only(), py::arg("seed") = 1, py::arg("config") = py::none());
-    const EnduranceRequest campaign;
-    m.def(
-        "endurance",
-        [](const std::filesystem::path& out, std::int64_t maneuvers, std::uint64_t seed, const Directory& scenario, const Directory& config) {
-            return endurance_table({.out = out,
-                                    .scenario = scenario.value_or(std::filesystem::path()),
-                                    .config = directory_of(config),
-                                    .maneuvers = maneuvers,
-                                    .seed = seed});
-        },
-        py::arg("out"), py::kw_only(), py::arg("maneuvers") = campaign.maneuvers, py::arg("seed") = campaign.seed, py::arg("scenario") = py::none(),
-        py::arg("config") = py::none());
-}
-
-void bind_wear(py::module_& m) {
-    const wear::FitSettings fit;
-    m.def(
-        "fit_wear",
-        [](Numbers energy_J, Numbers friction, std::size_t components, int starts, std::uint64_t seed, double floor, std::string source,
-           std::string origin, unsigned threads) {
-            wear::FitSettings settings{.max_components = components, .starts = starts, .seed = seed, .em = {}};
-            settings.em.covariance_floor = floor;
-            return fit_wear({std::move(energy_J), std::move(friction), std::move(source), std::move(origin), {}}, settings, threads);
-        },
-        py::arg("energy_J"), py::arg("friction"), py::kw_only(), py::arg("components") = fit.max_components, py::arg("starts") = fit.starts,
-        py::arg("seed") = fit.seed, py::arg("floor") = fit.em.covariance_floor, py::arg("source") = "arrays", py::arg("origin") = "",
-        py::arg("threads") = 0);
-    const wear::ForecastRequest ask;
-    m.def(
-        "landings_left",
-        [](Numbers energy_J, Numbers friction, const std::filesystem::path& population, std::optional<double> limit, std::string mix, double slip,
-           std::optional<double> energy_MJ, std::size_t last, std::string method, int horizon, int draws, std::uint64_t seed,
-           const std::pair<Numbers, Numbers>& lining, const Directory& config) {
-            const wear::ForecastRequest request{.config = directory_of(config),
-                                                .limit = limit,
-                                                .mix = std::move(mix),
-                                                .slip = slip,
-                                                .energy_MJ = energy_MJ,
-                                                .last = last,
-                                                .method = std::move(method),
-                                                .horizon = horizon,
-                                                .draws = draws,
-                                                .seed = seed};
-            return landings_left({std::move(energy_J), std::move(friction), "arrays", {}, readings_of(lining.first, lining.second)}, population,
-                                 request);
-        },
-        py::arg("energy_J"), py::arg("friction"), py::arg("population"), py::kw_only(), py::arg("limit") = py::none(), py::arg("mix") = ask.mix,
-        py::arg("slip") = ask.slip, py::arg("energy_MJ") = py::none(), py::arg("last") = ask.last, py::arg("method") = ask.method,
-        py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("lining") = std::pair<Numbers, Numbers>(),
-        py::arg("config") = py::none());
-}
-
 void bind_regulator(py::module_& m) {
     using wear::Regulator;
     py::class_<Regulator>(m, "Regulator")
         .def(py::init([](double landing_J, double landing_deviation_J, std::optional<int> landings, std::optional<double> brake_life_J,
                          std::optional<double> brake_taken_J, std::optional<double> tyre_life_J, const Directory& config) {
-                 return regulator_of({.config = directory_of(config),
-                                      .landing_J = landing_J,
-                                      .landing_deviation_J = landing_deviation_J,
-                                      .landings = landings,
-                                      .brake_life_J = brake_life_J,
-                                      .tyre_life_J = tyre_life_J,
-                                      .brake_taken_J = brake_taken_J});
+                 const std::filesystem::path directory = directory_of(config);
+                 wear::RegulationConfig asked = wear::load_regulation_config(directory / "regulation.toml");
+                 asked.plan.landings = landings.value_or(asked.plan.landings);
+                 asked.plan.brake_taken_J = brake_taken_J.value_or(asked.plan.brake_taken_J);
+                 asked.plan.tyre_life_J = tyre_life_J.value_or(asked.plan.tyre_life_J);
+                 const double life_J = brake_life_J ? *brake_life_J : rig::load_rig(directory, {}).wear.life_J;
+                 return Regulator(wear::plan_of(asked, life_J, landing_J, landing_deviation_J), asked.rules, asked.range());
              }),
              py::arg("landing_J"), py::arg("landing_deviation_J"), py::kw_only(), py::arg("landings") = py::none(),
              py::arg("brake_life_J") = py::none(), py::arg("brake_taken_J") = py::none(), py::arg("tyre_life_J") = py::none(),
@@ -228,79 +143,20 @@ void bind_regulator(py::module_& m) {
             py::arg("reference") = py::none());
 }
 
-/// The module's __init__.py makes Python's own of the texts.
-void bind_studies(py::module_& m) {
-    const auto both = [](const StudyFiles& files) { return py::make_tuple(files.results, files.stops); };
-    const sweep::SweepPlanOptions swept;
-    m.def(
-        "sweep",
-        [both](const std::optional<Numbers>& references, std::size_t landings, bool threshold, std::uint64_t seed, const Directory& config,
-               unsigned threads) {
-            return both(sweep_study({.config = directory_of(config),
-                                     .references = references ? *references : sweep::paper_references(),
-                                     .landings = landings,
-                                     .threshold = threshold,
-                                     .seed = seed},
-                                    threads));
-        },
-        py::arg("references") = py::none(), py::kw_only(), py::arg("landings") = swept.landings, py::arg("threshold") = swept.threshold,
-        py::arg("seed") = swept.seed, py::arg("config") = py::none(), py::arg("threads") = 0);
-    const robust::RobustPlanOptions drawn;
-    m.def(
-        "robust",
-        [both](const std::vector<std::string>& families, const std::vector<std::string>& laws, std::size_t draws, std::uint64_t seed,
-               const std::filesystem::path& controller, const std::filesystem::path& ranges, const Directory& config, unsigned threads) {
-            return both(robust_study({.config = directory_of(config),
-                                      .controller = controller,
-                                      .ranges = ranges,
-                                      .families = families,
-                                      .laws = laws,
-                                      .draws = draws,
-                                      .seed = seed},
-                                     threads));
-        },
-        py::kw_only(), py::arg("families") = drawn.families, py::arg("laws") = drawn.laws, py::arg("draws") = drawn.draws,
-        py::arg("seed") = drawn.seed, py::arg("controller") = "", py::arg("ranges") = "", py::arg("config") = py::none(), py::arg("threads") = 0);
-    const study::margins::StudyOptions grid;
-    m.def(
-        "margins",
-        [](double slip, int speeds, bool constant_slip, std::optional<double> mean_friction, const std::filesystem::path& controller,
-           const Directory& config) {
-            StopOptions scenario;
-            scenario.config = directory_of(config);
-            scenario.controller = controller;
-            scenario.choice.friction = mean_friction;
-            scenario.slip = slip;
-            study::margins::StudyOptions options;
-            options.speeds = speeds;
-            options.low_speed_fall = !constant_slip;
-            return margins_study(scenario, options);
-        },
-        py::kw_only(), py::arg("slip") = grid.slip_reference, py::arg("speeds") = grid.speeds, py::arg("constant_slip") = !grid.low_speed_fall,
-        py::arg("mean_friction") = py::none(), py::arg("controller") = "", py::arg("config") = py::none());
-}
-
 }  // namespace
 
 }  // namespace plant_sim::python
 
 PYBIND11_MODULE(_native, m) {
-    namespace py = pybind11;
     plant_sim::python::bind_scenario(m);
     plant_sim::python::bind_rig(m);
     plant_sim::python::bind_sensors(m);
     plant_sim::python::bind_controller(m);
     plant_sim::python::bind_ledger(m);
+    plant_sim::python::bind_endurance(m);
     plant_sim::python::bind_wear(m);
     plant_sim::python::bind_regulator(m);
     plant_sim::python::bind_studies(m);
-    m.def(
-        "read_log",
-        [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,
-           const std::filesystem::path& binding, const std::optional<std::string>& interface) {
-            return plant_sim::python::read_log({log, scenario, config, dbc, binding, interface});
-        },
-        py::arg("log"), py::kw_only(), py::arg("scenario") = "heavy", py::arg("config") = "", py::arg("dbc") = "", py::arg("binding") = "",
-        py::arg("interface") = py::none());
+    plant_sim::python::bind_bus_log(m);
     m.attr("__version__") = ANTISKID_VERSION;
 }

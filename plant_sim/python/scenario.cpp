@@ -1,8 +1,6 @@
 #include "plant_sim/python/scenario.hpp"
 
 #include <fmt/format.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <array>

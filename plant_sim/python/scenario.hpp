@@ -1,18 +1,15 @@
 /// One maneuver for Python: read and checked once, run any number of times.
 #pragma once
 
-#include <pybind11/pybind11.h>
-
 #include <optional>
 #include <vector>
 
 #include "firmware/host/settings/text_table.hpp"
+#include "plant_sim/python/bindings.hpp"
 #include "plant_sim/scenario/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 
 namespace plant_sim::python {
-
-namespace py = pybind11;
 
 class Scenario {
   public:

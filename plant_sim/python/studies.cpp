@@ -1,9 +1,11 @@
-#include "plant_sim/python/studies.hpp"
-
 #include <atomic>
+#include <filesystem>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
+#include "plant_sim/python/bindings.hpp"
 #include "plant_sim/python/interruptible.hpp"
 #include "plant_sim/study/margins/margins_input.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"
@@ -18,11 +20,15 @@ namespace plant_sim::python {
 
 namespace {
 
+/// Texts of results.json and stops.csv.
+struct StudyFiles {
+    std::string results, stops;
+};
+
+/// 0: all cores.
 unsigned threads_of(unsigned asked) {
     return asked > 0 ? asked : wear::all_cores();
 }
-
-}  // namespace
 
 StudyFiles sweep_study(const sweep::SweepPlanOptions& options, unsigned threads) {
     if (options.landings < 1) throw std::invalid_argument("landings: expected 1 or more");
@@ -33,7 +39,7 @@ StudyFiles sweep_study(const sweep::SweepPlanOptions& options, unsigned threads)
     std::atomic<bool> stop{false};
     const auto study = [&] {
         const sweep::SweepPlan plan = sweep::load_plan(asked);
-        const std::vector<sweep::Row> rows =
+        const std::vector<sweep::SweptStop> rows =
             sweep::run(plan, study::team::order_of_work(plan.stops()), {.threads = threads_of(threads), .stop = &stop});
         if (rows.size() < plan.stops()) return StudyFiles{};
         const sweep::Identity identity = sweep::identity_of(plan);
@@ -50,7 +56,7 @@ StudyFiles robust_study(const robust::RobustPlanOptions& options, unsigned threa
     std::atomic<bool> stop{false};
     const auto study = [&] {
         const robust::RobustPlan plan = robust::load_plan(options);
-        const std::vector<robust::Row> rows = robust::run(plan, {.threads = threads_of(threads), .stop = &stop});
+        const std::vector<robust::DrawnStop> rows = robust::run(plan, {.threads = threads_of(threads), .stop = &stop});
         if (rows.size() < plan.stops()) return StudyFiles{};
         StudyFiles files;
         files.results = robust::to_json(plan, rows, robust::summarise(plan, rows));
@@ -60,6 +66,7 @@ StudyFiles robust_study(const robust::RobustPlanOptions& options, unsigned threa
     return interruptible(study, [&] { stop = true; });
 }
 
+/// The slip reference of `scenario` replaces that of `options`.
 std::string margins_study(const StopOptions& scenario, study::margins::StudyOptions options) {
     namespace margins = study::margins;
     if (!(scenario.slip >= 0.01 && scenario.slip <= 0.5)) throw std::invalid_argument("slip: expected 0.01 to 0.5");
@@ -81,6 +88,60 @@ std::string margins_study(const StopOptions& scenario, study::margins::StudyOpti
                                  .tyre = margins::tyre_name(input.cases.front().rig.wheel.compliance)});
     };
     return interruptible(study, [&] { stop = true; });
+}
+
+}  // namespace
+
+/// The module's __init__.py makes Python's own of the texts.
+void bind_studies(py::module_& m) {
+    const auto both = [](const StudyFiles& files) { return py::make_tuple(files.results, files.stops); };
+    const sweep::SweepPlanOptions swept;
+    m.def(
+        "sweep",
+        [both](const std::optional<Numbers>& references, std::size_t landings, bool threshold, std::uint64_t seed, const Directory& config,
+               unsigned threads) {
+            return both(sweep_study({.config = directory_of(config),
+                                     .references = references ? *references : sweep::paper_references(),
+                                     .landings = landings,
+                                     .threshold = threshold,
+                                     .seed = seed},
+                                    threads));
+        },
+        py::arg("references") = py::none(), py::kw_only(), py::arg("landings") = swept.landings, py::arg("threshold") = swept.threshold,
+        py::arg("seed") = swept.seed, py::arg("config") = py::none(), py::arg("threads") = 0);
+    const robust::RobustPlanOptions drawn;
+    m.def(
+        "robust",
+        [both](const std::vector<std::string>& families, const std::vector<std::string>& laws, std::size_t draws, std::uint64_t seed,
+               const std::filesystem::path& controller, const std::filesystem::path& ranges, const Directory& config, unsigned threads) {
+            return both(robust_study({.config = directory_of(config),
+                                      .controller = controller,
+                                      .ranges = ranges,
+                                      .families = families,
+                                      .laws = laws,
+                                      .draws = draws,
+                                      .seed = seed},
+                                     threads));
+        },
+        py::kw_only(), py::arg("families") = drawn.families, py::arg("laws") = drawn.laws, py::arg("draws") = drawn.draws,
+        py::arg("seed") = drawn.seed, py::arg("controller") = "", py::arg("ranges") = "", py::arg("config") = py::none(), py::arg("threads") = 0);
+    const study::margins::StudyOptions grid;
+    m.def(
+        "margins",
+        [](double slip, int speeds, bool constant_slip, std::optional<double> mean_friction, const std::filesystem::path& controller,
+           const Directory& config) {
+            StopOptions scenario;
+            scenario.config = directory_of(config);
+            scenario.controller = controller;
+            scenario.choice.friction = mean_friction;
+            scenario.slip = slip;
+            study::margins::StudyOptions options;
+            options.speeds = speeds;
+            options.low_speed_fall = !constant_slip;
+            return margins_study(scenario, options);
+        },
+        py::kw_only(), py::arg("slip") = grid.slip_reference, py::arg("speeds") = grid.speeds, py::arg("constant_slip") = !grid.low_speed_fall,
+        py::arg("mean_friction") = py::none(), py::arg("controller") = "", py::arg("config") = py::none());
 }
 
 }  // namespace plant_sim::python

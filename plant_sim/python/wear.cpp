@@ -1,20 +1,35 @@
-#include "plant_sim/python/wear.hpp"
-
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "plant_sim/python/bindings.hpp"
 #include "plant_sim/python/interruptible.hpp"
+#include "plant_sim/wear/forecast_request.hpp"
+#include "rig_bridge/wear/fit.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 #include "rig_bridge/wear/population_io.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 
 namespace plant_sim::python {
 
-namespace py = pybind11;
-
 namespace {
+
+/// Maneuvers of a brake, in their order.
+struct WearPoints {
+    std::vector<double> energy_J;  ///< c_e
+    std::vector<double> friction;
+    std::string source;                         ///< for people
+    std::string origin{};                       ///< see provenance.hpp; empty: unknown
+    std::vector<wear::LiningReading> lining{};  ///< in their order
+};
 
 wear::Campaign campaign_of(const WearPoints& points) {
     if (points.energy_J.size() != points.friction.size())
@@ -35,8 +50,6 @@ py::object loaded(const std::string& json) {
     return py::module_::import("json").attr("loads")(json);
 }
 
-}  // namespace
-
 std::vector<wear::LiningReading> readings_of(const std::vector<double>& energy_J, const std::vector<double>& worn) {
     if (energy_J.size() != worn.size())
         throw std::invalid_argument(
@@ -47,6 +60,7 @@ std::vector<wear::LiningReading> readings_of(const std::vector<double>& energy_J
     return readings;
 }
 
+/// Contents of the model.json of `rig-lab wear fit`. `threads`: 0: all cores.
 py::object fit_wear(const WearPoints& points, const wear::FitSettings& settings, unsigned threads) {
     const wear::Campaign campaign = campaign_of(points);
     std::stop_source stop;
@@ -56,6 +70,7 @@ py::object fit_wear(const WearPoints& points, const wear::FitSettings& settings,
     return loaded(wear::to_json(wear::model_of(campaign, interruptible(fit, [&] { stop.request_stop(); }), settings)));
 }
 
+/// Contents of the forecast.json of `rig-lab wear forecast`, and `provenance`, a sentence.
 py::object landings_left(const WearPoints& points, const std::filesystem::path& population, const wear::ForecastRequest& request) {
     std::string provenance;
     const std::string json = [&] {
@@ -67,6 +82,46 @@ py::object landings_left(const WearPoints& points, const std::filesystem::path& 
     py::object answer = loaded(json);
     answer["provenance"] = provenance;
     return answer;
+}
+
+}  // namespace
+
+void bind_wear(py::module_& m) {
+    const wear::FitSettings fit;
+    m.def(
+        "fit_wear",
+        [](Numbers energy_J, Numbers friction, std::size_t components, int starts, std::uint64_t seed, double floor, std::string source,
+           std::string origin, unsigned threads) {
+            wear::FitSettings settings{.max_components = components, .starts = starts, .seed = seed, .em = {}};
+            settings.em.covariance_floor = floor;
+            return fit_wear({std::move(energy_J), std::move(friction), std::move(source), std::move(origin), {}}, settings, threads);
+        },
+        py::arg("energy_J"), py::arg("friction"), py::kw_only(), py::arg("components") = fit.max_components, py::arg("starts") = fit.starts,
+        py::arg("seed") = fit.seed, py::arg("floor") = fit.em.covariance_floor, py::arg("source") = "arrays", py::arg("origin") = "",
+        py::arg("threads") = 0);
+    const wear::ForecastRequest ask;
+    m.def(
+        "landings_left",
+        [](Numbers energy_J, Numbers friction, const std::filesystem::path& population, std::optional<double> limit, std::string mix, double slip,
+           std::optional<double> energy_MJ, std::size_t last, std::string method, int horizon, int draws, std::uint64_t seed,
+           const std::pair<Numbers, Numbers>& lining, const Directory& config) {
+            const wear::ForecastRequest request{.config = directory_of(config),
+                                                .limit = limit,
+                                                .mix = std::move(mix),
+                                                .slip = slip,
+                                                .energy_MJ = energy_MJ,
+                                                .last = last,
+                                                .method = std::move(method),
+                                                .horizon = horizon,
+                                                .draws = draws,
+                                                .seed = seed};
+            return landings_left({std::move(energy_J), std::move(friction), "arrays", {}, readings_of(lining.first, lining.second)}, population,
+                                 request);
+        },
+        py::arg("energy_J"), py::arg("friction"), py::arg("population"), py::kw_only(), py::arg("limit") = py::none(), py::arg("mix") = ask.mix,
+        py::arg("slip") = ask.slip, py::arg("energy_MJ") = py::none(), py::arg("last") = ask.last, py::arg("method") = ask.method,
+        py::arg("horizon") = ask.horizon, py::arg("draws") = ask.draws, py::arg("seed") = ask.seed, py::arg("lining") = std::pair<Numbers, Numbers>(),
+        py::arg("config") = py::none());
 }
 
 }  // namespace plant_sim::python

@@ -33,7 +33,7 @@ Found found(const Alarm& alarm, const std::vector<Campaign>& lives, std::uint64_
         for (std::size_t k = 0; k < lives.size(); ++k) {
             Generator generator = generator_of(seed + k, 9000);
             const auto begin = static_cast<std::size_t>(static_cast<double>(lives[k].points.size()) * (0.2 + 0.5 * uniform(generator)));
-            const std::size_t at = alarm(with_fault(lives[k], Fault::glazing, size, begin));
+            const std::size_t at = alarm(with_fault(lives[k], BrakeFault::glazing, size, begin));
             if (at < begin) continue;
             asked += 1.0;
             soon += at < begin + kSoon ? 1.0 : 0.0;

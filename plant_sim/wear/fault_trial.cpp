@@ -14,17 +14,17 @@ std::size_t flagged_at(const Population& population, const Campaign& campaign) {
     return campaign.points.size();
 }
 
-const char* name(Fault fault) {
+const char* name(BrakeFault fault) {
     constexpr std::array kNames{"glazing", "sudden drop", "piston drag"};
     return kNames.at(static_cast<std::size_t>(fault));
 }
 
-Campaign with_fault(const Campaign& healthy, Fault fault, double size, std::size_t begin) {
+Campaign with_fault(const Campaign& healthy, BrakeFault fault, double size, std::size_t begin) {
     Campaign out = healthy;
     for (std::size_t i = begin; i < out.points.size(); ++i) {
         const double grown =
-            fault == Fault::glazing ? std::min(1.0, static_cast<double>(i - begin + 1) / static_cast<double>(kGlazingManeuvers)) : 1.0;
-        out.points[i].mean_friction *= fault == Fault::drag ? 1.0 + size : 1.0 - size * grown;
+            fault == BrakeFault::glazing ? std::min(1.0, static_cast<double>(i - begin + 1) / static_cast<double>(kGlazingManeuvers)) : 1.0;
+        out.points[i].mean_friction *= fault == BrakeFault::drag ? 1.0 + size : 1.0 - size * grown;
     }
     return out;
 }
@@ -46,7 +46,7 @@ HealthyTrial try_healthy(const Population& population, const std::vector<Campaig
     return out;
 }
 
-FaultTrial try_fault(const Population& population, const std::vector<Campaign>& healthy, Fault fault, double size, std::uint64_t seed) {
+FaultTrial try_fault(const Population& population, const std::vector<Campaign>& healthy, BrakeFault fault, double size, std::uint64_t seed) {
     FaultTrial out{fault, size};
     std::vector<std::size_t> delays;
     for (std::size_t k = 0; k < healthy.size(); ++k) {

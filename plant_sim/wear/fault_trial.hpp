@@ -9,7 +9,7 @@
 
 namespace wear {
 
-enum class Fault : std::uint8_t {
+enum class BrakeFault : std::uint8_t {
     glazing,  ///< friction decreases by `size` (a share) evenly over kGlazingManeuvers, permanently
     drop,     ///< decreases by `size` from one maneuver to the next
     drag,     ///< a piston sticks: from one maneuver to the next, eq. (7) contains a share `size` of torque that is not from pressure
@@ -17,7 +17,7 @@ enum class Fault : std::uint8_t {
 constexpr std::size_t kGlazingManeuvers = 40;
 
 /// Returns the campaign with a fault from maneuver `begin` on, counted from 0.
-[[nodiscard]] Campaign with_fault(const Campaign& healthy, Fault fault, double size, std::size_t begin);
+[[nodiscard]] Campaign with_fault(const Campaign& healthy, BrakeFault fault, double size, std::size_t begin);
 
 /// Number of the maneuver, from 0, after which the brake is abnormal; that of its maneuvers where it never is.
 [[nodiscard]] std::size_t flagged_at(const Population& population, const Campaign& campaign);
@@ -30,7 +30,7 @@ struct HealthyTrial {
 };
 
 struct FaultTrial {
-    Fault fault = Fault::glazing;
+    BrakeFault fault = BrakeFault::glazing;
     double size = 0.0;
     std::size_t campaigns = 0;  ///< number with the fault, without those flagged before it began
     std::size_t flagged = 0;    ///< number flagged before their end
@@ -42,8 +42,9 @@ struct FaultTrial {
 [[nodiscard]] HealthyTrial try_healthy(const Population& population, const std::vector<Campaign>& healthy);
 
 /// The fault begins between 20 and 70 % of each campaign, drawn by `seed`.
-[[nodiscard]] FaultTrial try_fault(const Population& population, const std::vector<Campaign>& healthy, Fault fault, double size, std::uint64_t seed);
+[[nodiscard]] FaultTrial try_fault(const Population& population, const std::vector<Campaign>& healthy, BrakeFault fault, double size,
+                                   std::uint64_t seed);
 
-[[nodiscard]] const char* name(Fault fault);
+[[nodiscard]] const char* name(BrakeFault fault);
 
 }  // namespace wear

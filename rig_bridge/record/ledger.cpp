@@ -40,7 +40,7 @@ std::string joined(const std::vector<std::string>& words) {
 
 void write_specimen(const LedgerDatabase& database, const char* table, std::int64_t row, const Specimen& specimen) {
     for (const SpecimenField& field : kSpecimenFields)
-        database.prepare(fmt::format("UPDATE {} SET {} = ?2 WHERE id = ?1", table, field.key)).bind(1, row).bind(2, specimen.*field.value).run();
+        database.prepare(fmt::format("UPDATE {} SET {} = ?2 WHERE id = ?1", table, field.key)).bind_all(row, specimen.*field.value).run();
 }
 
 std::int64_t as_integer(std::uint64_t value, const std::string& path, const char* what) {
@@ -92,29 +92,15 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
                                               "another name",
                                               campaign.name, fmt::join(resumed.changed, "; ")));
         }
-        impl_->database
-            .prepare(
-                "UPDATE campaigns SET scenario = ?2, seed = ?3, planned = ?4, config_hash = ?5, version = ?6 "
-                "WHERE id = ?1")
-            .bind(1, id)
-            .bind(2, campaign.scenario)
-            .bind(3, seed)
-            .bind(4, campaign.planned)
-            .bind(5, campaign.config_hash)
-            .bind(6, campaign.version)
+        impl_->database.prepare("UPDATE campaigns SET scenario = ?2, seed = ?3, planned = ?4, config_hash = ?5, version = ?6 WHERE id = ?1")
+            .bind_all(id, campaign.scenario, seed, campaign.planned, campaign.config_hash, campaign.version)
             .run();
     } else {
         resumed.created = true;
         Statement insert = impl_->database.prepare(
             "INSERT INTO campaigns (name, scenario, seed, planned, config_hash, version, created) "
             "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) RETURNING id");
-        insert.bind(1, campaign.name)
-            .bind(2, campaign.scenario)
-            .bind(3, seed)
-            .bind(4, campaign.planned)
-            .bind(5, campaign.config_hash)
-            .bind(6, campaign.version)
-            .bind(7, campaign.created);
+        insert.bind_all(campaign.name, campaign.scenario, seed, campaign.planned, campaign.config_hash, campaign.version, campaign.created);
         while (insert.step()) id = insert.integer(0);
     }
     impl_->campaign = campaign;
@@ -139,9 +125,7 @@ void Ledger::Impl::settle(Resumed& resumed, const MeterLog& meter) {
         Attempt attempt;
     };
     std::vector<Left> left;
-    Statement running = database.prepare(
-        "SELECT id, number, attempt, folder FROM maneuvers WHERE campaign = ?1 AND state = 'running' "
-        "ORDER BY id");
+    Statement running = database.prepare("SELECT id, number, attempt, folder FROM maneuvers WHERE campaign = ?1 AND state = 'running' ORDER BY id");
     running.bind(1, id);
     while (running.step()) {
         left.push_back(
@@ -185,30 +169,19 @@ std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& 
 
 void Ledger::Impl::enter(const Summary& summary, std::int64_t row, std::string_view state) {
     std::string sql =
-        "UPDATE maneuvers SET state = ?2, scenario = ?3, outcome = ?4, "
-        "started = coalesce(nullif(?5, ''), started), standstill = ?6, "
-        "cumulative_energy_J = ?7, faults = ?8, frames = ?9, frames_dropped = ?10, seed = ?11, version = "
-        "?12, "
-        "config_hash = ?13, out_of_tolerance = ?14, warnings = ?15";
-    int parameter = 16;
+        "UPDATE maneuvers SET state = ?2, scenario = ?3, outcome = ?4, started = coalesce(nullif(?5, ''), started), standstill = ?6, "
+        "cumulative_energy_J = ?7, faults = ?8, frames = ?9, frames_dropped = ?10, seed = ?11, version = ?12, config_hash = ?13, warnings = ?14, "
+        "out_of_tolerance = ?15";
+    constexpr int kFirstFigure = 16;
+    int parameter = kFirstFigure;
     for (const FigureField& field : kFigureFields) sql += fmt::format(", {} = ?{}", field.key, parameter++);
     Statement update = database.prepare(sql + " WHERE id = ?1");
-    update.bind(1, row)
-        .bind(2, state)
-        .bind(3, summary.scenario)
-        .bind(4, summary.outcome)
-        .bind(5, summary.started)
-        .bind(6, std::int64_t{summary.figures.standstill ? 1 : 0})
-        .bind(7, summary.cumulative_energy_J)
-        .bind(8, joined(summary.faults))
-        .bind(9, as_integer(summary.frames, path.string(), "frames"))
-        .bind(10, as_integer(summary.frames_dropped, path.string(), "frames_dropped"))
-        .bind(11, as_integer(summary.seed, path.string(), "seed"))
-        .bind(12, summary.version)
-        .bind(13, summary.config_hash)
-        .bind(15, fmt::format("{}", fmt::join(summary.warnings, kWarningsApart)));
-    if (summary.out_of_tolerance) update.bind(14, joined(*summary.out_of_tolerance));  // else NULL
-    parameter = 16;
+    update.bind_all(row, state, summary.scenario, summary.outcome, summary.started, std::int64_t{summary.figures.standstill ? 1 : 0},
+                    summary.cumulative_energy_J, joined(summary.faults), as_integer(summary.frames, path.string(), "frames"),
+                    as_integer(summary.frames_dropped, path.string(), "frames_dropped"), as_integer(summary.seed, path.string(), "seed"),
+                    summary.version, summary.config_hash, fmt::format("{}", fmt::join(summary.warnings, kWarningsApart)));
+    if (summary.out_of_tolerance) update.bind(kFirstFigure - 1, joined(*summary.out_of_tolerance));  // else NULL
+    parameter = kFirstFigure;
     for (const FigureField& field : kFigureFields) update.bind(parameter++, summary.figures.*field.value);
     update.run();
 }
@@ -260,7 +233,7 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started, std::opti
         "SELECT coalesce(max(attempt), 0), coalesce(max(state = 'finished'), 0), "
         "(SELECT count(*) FROM maneuvers WHERE campaign = ?1 AND state = 'running') "
         "FROM maneuvers WHERE campaign = ?1 AND number = ?2");
-    last.bind(1, impl_->id).bind(2, number).step();
+    last.bind_all(impl_->id, number).step();
     const std::string where = impl_->path.string() + ": maneuver " + std::to_string(number);
     if (last.integer(1) != 0) throw LedgerError(where + " is finished already");
     if (last.integer(2) != 0) throw LedgerError(where + " cannot begin: another one is running");
@@ -269,19 +242,10 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started, std::opti
     const std::string folder =
         attempt == 1 ? fmt::format("{}/{:04}", campaign.name, number) : fmt::format("{}/{:04}.{}", campaign.name, number, attempt);
     Statement insert = impl_->database.prepare(
-        "INSERT INTO maneuvers (campaign, number, attempt, state, folder, scenario, started, seed, "
-        "version, config_hash, slip_reference) "
+        "INSERT INTO maneuvers (campaign, number, attempt, state, folder, scenario, started, seed, version, config_hash, slip_reference) "
         "VALUES (?1, ?2, ?3, 'running', ?4, ?5, ?6, ?7, ?8, ?9, ?10) RETURNING id");
-    insert.bind(1, impl_->id)
-        .bind(2, number)
-        .bind(3, attempt)
-        .bind(4, folder)
-        .bind(5, campaign.scenario)
-        .bind(6, started)
-        .bind(7, static_cast<std::int64_t>(campaign.seed))
-        .bind(8, campaign.version)
-        .bind(9, campaign.config_hash)
-        .bind(10, slip_reference.value_or(std::numeric_limits<double>::quiet_NaN()));  // NaN is NULL
+    insert.bind_all(impl_->id, number, attempt, folder, campaign.scenario, started, static_cast<std::int64_t>(campaign.seed), campaign.version,
+                    campaign.config_hash, slip_reference.value_or(std::numeric_limits<double>::quiet_NaN()));  // NaN is NULL
     std::int64_t row = 0;
     while (insert.step()) row = insert.integer(0);
     write_specimen(impl_->database, "maneuvers", row, specimen);
@@ -296,7 +260,7 @@ void Ledger::finish(const Summary& summary) {
         throw LedgerError(where + " is of campaign '" + summary.campaign + "', not '" + impl_->campaign.name + "'");
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement running = impl_->database.prepare("SELECT id FROM maneuvers WHERE campaign = ?1 AND number = ?2 AND state = 'running'");
-    if (!running.bind(1, impl_->id).bind(2, summary.number).step()) throw LedgerError(where + " is not running");
+    if (!running.bind_all(impl_->id, summary.number).step()) throw LedgerError(where + " is not running");
     impl_->enter(summary, running.integer(0), state_of(summary));
     transaction.commit();
 }

@@ -21,6 +21,13 @@ class Statement {
     Statement& bind(int index, std::string_view text);
     Statement& bind(int index, std::int64_t value);
     Statement& bind(int index, double value);
+    /// The parameters from the first one on, in their order.
+    template <typename... Values>
+    Statement& bind_all(const Values&... values) {
+        int index = 1;
+        (bind(index++, values), ...);
+        return *this;
+    }
 
     /// Advances to the next row; false after the last. Throws LedgerError.
     bool step();

@@ -189,12 +189,7 @@ void Ledger::judge(std::int64_t number, const Health& health) {
     Statement update = impl_->database.prepare(
         "UPDATE maneuvers SET health = ?3, health_statistic = ?4, health_reason = ?5, health_model = ?6 "
         "WHERE campaign = ?1 AND number = ?2 AND state = 'finished' RETURNING id");
-    update.bind(1, impl_->id)
-        .bind(2, number)
-        .bind(3, std::string_view(name(health.state)))
-        .bind(4, health.statistic)
-        .bind(5, health.reason)
-        .bind(6, health.model);
+    update.bind_all(impl_->id, number, std::string_view(name(health.state)), health.statistic, health.reason, health.model);
     if (!update.step())
         throw LedgerError(impl_->path.string() + ": maneuver " + std::to_string(number) + " is not finished, so its brake cannot be judged");
     while (update.step()) {
@@ -217,14 +212,7 @@ void Ledger::amend(std::int64_t number, std::int64_t attempt, const Amendment& a
             "INSERT INTO amendments (maneuver, newest, before_J, counted_J, who, made, why) SELECT id, "
             "(SELECT max(id) FROM maneuvers WHERE campaign = ?1), ?4, ?5, ?6, ?7, ?8 FROM maneuvers "
             "WHERE campaign = ?1 AND number = ?2 AND attempt = ?3")
-        .bind(1, impl_->id)
-        .bind(2, number)
-        .bind(3, attempt)
-        .bind(4, row->counted_J)
-        .bind(5, amendment.counted_J)
-        .bind(6, amendment.who)
-        .bind(7, amendment.made)
-        .bind(8, amendment.why)
+        .bind_all(impl_->id, number, attempt, row->counted_J, amendment.counted_J, amendment.who, amendment.made, amendment.why)
         .run();
     transaction.commit();
 }
@@ -244,7 +232,7 @@ void Ledger::note(std::int64_t number, std::int64_t attempt, const Note& note) {
     Statement insert = impl_->database.prepare(
         "INSERT INTO noted (maneuver, field, text, who, made) SELECT id, ?4, ?5, ?6, ?7 FROM maneuvers "
         "WHERE campaign = ?1 AND number = ?2 AND attempt = ?3 RETURNING id");
-    insert.bind(1, impl_->id).bind(2, number).bind(3, attempt).bind(4, note.field).bind(5, note.text).bind(6, note.who).bind(7, note.made);
+    insert.bind_all(impl_->id, number, attempt, note.field, note.text, note.who, note.made);
     if (!insert.step()) throw LedgerError(where + " is not in campaign '" + impl_->campaign.name + "'");
     while (insert.step()) {
     }

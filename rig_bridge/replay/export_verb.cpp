@@ -1,23 +1,32 @@
-#include <fmt/core.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <matio.h>
+#include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "firmware/can/candump.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/layout_files.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 #include "firmware/host/settings/json.hpp"
 #include "firmware/host/settings/progress.hpp"
 #include "rig_bridge/replay/measured_signals.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 #include "rig_bridge/replay/sample_table.hpp"
-#include "rig_bridge/replay/table_writer.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 
@@ -26,6 +35,121 @@ namespace rig::replay {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A file that gets its final name by commit(); before that, and after a failure, an existing file of that name is unchanged.
+class PartFile {
+  public:
+    explicit PartFile(const fs::path& path) : name_(path.string()), part_(path.string() + ".part") {
+        if (path.has_parent_path()) fs::create_directories(path.parent_path());
+    }
+    ~PartFile() {
+        std::error_code ignored;
+        fs::remove(part_, ignored);
+    }
+    PartFile(const PartFile&) = delete;
+    PartFile& operator=(const PartFile&) = delete;
+
+    [[nodiscard]] const std::string& name() const { return name_; }
+    /// Where to write.
+    [[nodiscard]] const std::string& part() const { return part_; }
+    /// Throws std::filesystem::filesystem_error.
+    void commit() const {
+        const settings::FileDescriptor file(::open(part_.c_str(), O_RDONLY | O_CLOEXEC));
+        if (!file.is_open() || ::fsync(file.get()) != 0)
+            throw fs::filesystem_error("cannot be stored", part_, std::error_code(errno, std::generic_category()));
+        fs::rename(part_, name_);
+    }
+
+  private:
+    std::string name_, part_;
+};
+
+/// Writes a table of any length in constant memory; the file appears only when complete.
+class TableWriter {
+  public:
+    virtual ~TableWriter() = default;
+    /// Writes one number per column. row() and finish() throw std::runtime_error naming the file if it cannot be written.
+    virtual void row(const std::vector<double>& values) = 0;
+    virtual void finish() = 0;
+};
+
+/// One row of names, commas, decimal points; readable by PlotJuggler, pandas and spreadsheets.
+class CsvWriter final : public TableWriter {
+  public:
+    CsvWriter(const fs::path& path, const std::vector<std::string>& columns) : file_(path), out_(file_.part(), std::ios::binary) {
+        out_ << fmt::format("{}\n", fmt::join(columns, ","));
+        check();
+    }
+
+    void row(const std::vector<double>& values) override {
+        line_.clear();
+        // Times in microseconds, as in a log; the other values had 32 bits.
+        fmt::format_to(std::back_inserter(line_), "{:.6f}", values.front());
+        for (std::size_t i = 1; i < values.size(); ++i) fmt::format_to(std::back_inserter(line_), ",{:.7g}", values[i]);
+        line_.push_back('\n');
+        out_.write(line_.data(), static_cast<std::streamsize>(line_.size()));
+        check();
+    }
+
+    void finish() override {
+        out_.close();
+        check();
+        file_.commit();
+    }
+
+  private:
+    void check() const {
+        if (!out_) throw std::runtime_error(file_.name() + ": cannot be written: " + std::strerror(errno));
+    }
+
+    PartFile file_;
+    std::ofstream out_;
+    fmt::memory_buffer line_;
+};
+
+struct CloseMat {
+    void operator()(mat_t* file) const { Mat_Close(file); }
+};
+
+/// MATLAB v7.3: a column vector of each name.
+class MatWriter final : public TableWriter {
+  public:
+    MatWriter(const fs::path& path, std::vector<std::string> columns)
+        : file_(path), columns_(std::move(columns)), blocks_(columns_.size()), mat_(Mat_CreateVer(file_.part().c_str(), nullptr, MAT_FT_MAT73)) {
+        if (!mat_) throw std::runtime_error(file_.name() + ": cannot be written");
+    }
+
+    void row(const std::vector<double>& values) override {
+        constexpr std::size_t kRowsInMemory = 16384;
+        for (std::size_t i = 0; i < blocks_.size(); ++i) blocks_[i].push_back(values[i]);
+        if (blocks_.front().size() == kRowsInMemory) flush();
+    }
+
+    void finish() override {
+        if (!blocks_.front().empty()) flush();
+        if (Mat_Close(mat_.release()) != 0) fail();
+        file_.commit();
+    }
+
+  private:
+    void flush() {
+        for (std::size_t i = 0; i < blocks_.size(); ++i) {
+            std::array<std::size_t, 2> size{blocks_[i].size(), 1};
+            matvar_t* const column =
+                Mat_VarCreate(columns_[i].c_str(), MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(), blocks_[i].data(), MAT_F_DONT_COPY_DATA);
+            const int status = Mat_VarWriteAppend(mat_.get(), column, MAT_COMPRESSION_ZLIB, 1);
+            Mat_VarFree(column);
+            if (status != 0) fail();
+            blocks_[i].clear();
+        }
+    }
+    [[noreturn]] void fail() const { throw std::runtime_error(file_.name() + ": cannot be written; is the disk full?"); }
+
+    PartFile file_;
+    std::vector<std::string> columns_;
+    std::vector<std::vector<double>> blocks_;
+    std::unique_ptr<mat_t, CloseMat> mat_;
+};
 
 struct ExportCommand {
     std::string log;
@@ -83,8 +207,8 @@ struct ExportCommand {
         MeasuredSignals signals(reader, layout, rig.period_s);
         SampleTable table(signals, layout, rig);
         std::vector<std::unique_ptr<TableWriter>> writers;
-        if (!csv.empty()) writers.push_back(csv_writer(csv, table.columns()));
-        if (!mat.empty()) writers.push_back(mat_writer(mat, table.columns()));
+        if (!csv.empty()) writers.push_back(std::make_unique<CsvWriter>(csv, table.columns()));
+        if (!mat.empty()) writers.push_back(std::make_unique<MatWriter>(mat, table.columns()));
         settings::Progress progress(100, 0, "%");
         std::uint64_t count = 0;
         for (std::vector<double> row; table.next(row); show(progress, ++count, reader))

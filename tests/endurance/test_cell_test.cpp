@@ -1,7 +1,7 @@
 /// Every shipped scenario through sequencer, controller, PLC and plant in one process.
 #include <algorithm>
 
-#include "plant_sim/endurance/outcome_summary.hpp"
+#include "plant_sim/endurance/test_cell.hpp"
 #include "rig_bridge/rig/acceptance.hpp"
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"

@@ -47,7 +47,7 @@ TEST_CASE("fault campaign: the same bytes whatever the number of threads, and fo
     const auto three = faults::run_campaign(p, numbers, {.threads = 3});
     CHECK(faults::to_csv(p, one) == faults::to_csv(p, three));
     CHECK(faults::to_json(p, one) == faults::to_json(p, three));
-    const faults::Row& row = one.at(3);
+    const faults::JudgedRun& row = one.at(3);
     const faults::Case again = p.at(row.run.number);
     CHECK(faults::run_one(p, again, faults::run_fault_free(p, again)).verdict == row.result.verdict);
 }
@@ -61,7 +61,7 @@ TEST_CASE("fault campaign: a stop that was asked to end runs no more", "[RIG-700
 TEST_CASE("fault campaign: a sample of it has nothing unsafe, and all the other outcomes", "[RIG-700]") {
     const faults::FaultPlan p = plan({"dry_asphalt", "wet_asphalt"}, 1);
     std::set<faults::Outcome> outcomes;
-    for (const faults::Row& row : faults::run_campaign(p, every(p, 13), {.threads = 2})) {
+    for (const faults::JudgedRun& row : faults::run_campaign(p, every(p, 13), {.threads = 2})) {
         INFO(faults::describe(p, row.run) << ": " << faults::describe(row.result));
         CHECK(row.result.verdict.outcome != faults::Outcome::unsafe);
         outcomes.insert(row.result.verdict.outcome);

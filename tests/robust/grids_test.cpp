@@ -22,8 +22,8 @@ RobustPlan grid(const std::string& family, std::vector<std::string> laws = {"sli
     return load_plan(options);
 }
 
-Row made_up(Family family, std::size_t number) {
-    Row row;
+DrawnStop made_up(Family family, std::size_t number) {
+    DrawnStop row;
     row.family = family;
     row.number = number;
     return row;
@@ -62,13 +62,13 @@ TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-60
 
 TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake-on", "[STUDY-602]") {
     RobustPlan plan = grid("changes");
-    std::erase_if(plan.basis.landings, [](const Landing& landing) {
+    std::erase_if(plan.basis.landings, [](const NominalLanding& landing) {
         return landing.surface != "dry_asphalt" && landing.surface != "wet_cobblestone" && landing.surface != "snow";
     });
     REQUIRE(plan.stops() == std::size_t{3} * 2 * 2 * 3);
-    const std::vector<Row> rows = run(plan, {.threads = 2});
+    const std::vector<DrawnStop> rows = run(plan, {.threads = 2});
     REQUIRE(rows.size() == plan.stops());
-    for (const Row& row : rows) {
+    for (const DrawnStop& row : rows) {
         INFO(describe(plan.basis, draw(plan.basis, row.family, plan.seed, row.number)));
         const double asked_mps = change_at(plan.basis, row.number).speed_mps;
         REQUIRE(row.regrip);
@@ -82,9 +82,9 @@ TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake
 
 TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
     const RobustPlan plan = grid("changes");
-    std::vector<Row> rows;
+    std::vector<DrawnStop> rows;
     for (std::size_t i = 0; i < plan.stops(); ++i) {
-        Row row = made_up(Family::changes, i);
+        DrawnStop row = made_up(Family::changes, i);
         // 0.001 to 0.1 s, but for four: 0.4 and 0.401 s, never, too brief to judge; and one that ended before its change.
         row.regrip = Regrip{.speed_mps = 40.0, .judged_s = 2.0, .regained_s = 1e-3 * static_cast<double>(i % 100 + 1)};
         if (i == 20) row.regrip->regained_s = 0.4;
@@ -110,17 +110,17 @@ TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
     CHECK(json["changes"][24].contains("regained_s") == false);
     CHECK(json["changes"].size() == 252);
     // Of one speed, nothing measured: no figure at all.
-    for (Row& row : rows)
+    for (DrawnStop& row : rows)
         if (change_at(plan.basis, row.number).speed_mps == 25.0 && row.regrip) row.regrip->judged_s = 0.3;
     CHECK_THAT(changes_table(plan, rows), ContainsSubstring("| slip | at 25 m/s | 0 of 84 | not measured |"));
 }
 
 TEST_CASE("brake-on: shares of the held reference and of the fastest landing's travel", "[STUDY-602]") {
     const RobustPlan plan = grid("brake_on", {"slip", "peak_slip", "threshold"});
-    std::vector<Row> rows;
+    std::vector<DrawnStop> rows;
     for (std::size_t law = 0; law < 3; ++law) {
         for (std::size_t i = 0; i < 98; ++i) {
-            Row row = made_up(Family::brake_on, i);
+            DrawnStop row = made_up(Family::brake_on, i);
             row.law = law;
             row.figures.j_mu = 0.9;
             row.figures.valve_travel_mAps = brake_on_at(plan.basis, i).speed_mps == 61.0 ? 50.0 : 100.0;

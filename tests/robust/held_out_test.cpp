@@ -14,7 +14,7 @@ TEST_CASE("on tyres, legs and speeds it was not made from the slip law keeps the
     options.draws = 14;
     options.seed = 20261123;
     const RobustPlan plan = load_plan(options);
-    const std::vector<Row> rows = run(plan, {.threads = 2});
+    const std::vector<DrawnStop> rows = run(plan, {.threads = 2});
     const std::vector<Summary> all = summarise(plan, rows);
     INFO(to_table(plan, rows, all));
     REQUIRE(all.size() == 8);

@@ -25,7 +25,7 @@ TEST_CASE("without a fall at low speed it is the curve's own ratio; at the peak 
     const robust::RobustPlan plan = as_configured();
     antiskid::control::SlipConfig config = plan.controller.slip;
     config.low_speed_mps = 0.0F;
-    for (const robust::Landing& landing : plan.basis.landings) {
+    for (const robust::NominalLanding& landing : plan.basis.landings) {
         const rig::Surface& s = landing.rig.surface;
         const double peak = std::log(s.c1 * s.c2 / s.c3) / s.c2;
         CHECK(held_j_mu(landing.rig, config, 0.24, 5.0) == Approx(mu(s, 0.24) / mu(s, peak)).epsilon(1e-6));
@@ -39,7 +39,7 @@ TEST_CASE("with the fall it is what an integration over time gives", "[STUDY-602
     const double from = static_cast<double>(c.low_speed_mps), to = static_cast<double>(c.low_speed_floor_mps),
                  low = static_cast<double>(c.low_speed_slip);
     REQUIRE(from > to);
-    for (const robust::Landing& landing : plan.basis.landings) {
+    for (const robust::NominalLanding& landing : plan.basis.landings) {
         for (const double brake_on_mps : {12.0, 20.0, 61.0}) {
             rig::RigParameters rig = landing.rig;
             rig.brake_on_mps = brake_on_mps;

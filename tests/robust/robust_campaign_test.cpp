@@ -16,8 +16,8 @@ TEST_CASE("rows do not depend on threads, and come in the order of the plan", "[
     options.laws = {"slip", "threshold"};
     options.draws = 2;
     const RobustPlan plan = load_plan(options);
-    const std::vector<Row> one = run(plan, {.threads = 1});
-    const std::vector<Row> three = run(plan, {.threads = 3});
+    const std::vector<DrawnStop> one = run(plan, {.threads = 1});
+    const std::vector<DrawnStop> three = run(plan, {.threads = 3});
     REQUIRE(one.size() == plan.stops());
     REQUIRE(three.size() == one.size());
     for (std::size_t i = 0; i < one.size(); ++i) {
@@ -37,7 +37,7 @@ TEST_CASE("three processes give the rows of one; one with another plan refuses t
     options.draws = 5;
     const RobustPlan plan = load_plan(options);
     threads::Wire wire;
-    std::vector<std::vector<Row>> rows(3);
+    std::vector<std::vector<DrawnStop>> rows(3);
     std::size_t last = 0;
     {
         std::vector<std::jthread> processes;
@@ -66,9 +66,9 @@ TEST_CASE("a summary counts what its rows say", "[STUDY-602]") {
     options.laws = {"slip"};
     options.draws = 200;
     const RobustPlan plan = load_plan(options);
-    std::vector<Row> rows;
+    std::vector<DrawnStop> rows;
     for (std::size_t i = 0; i < 200; ++i) {
-        Row row;
+        DrawnStop row;
         row.number = i;
         row.figures.j_mu = 0.5 + static_cast<double>((i * 7) % 200) * 1e-3;
         row.figures.longest_lock_s = i < 3 ? 0.051 : 0.05;

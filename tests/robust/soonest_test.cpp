@@ -19,7 +19,7 @@ RobustPlan grid(const std::string& family, const std::string& surface) {
     options.laws = {"told_peak", "soonest"};
     if (family == "brake_on") options.laws.emplace_back("wary");
     RobustPlan plan = load_plan(options);
-    std::erase_if(plan.basis.landings, [&](const Landing& landing) { return landing.surface != surface && landing.surface != "snow"; });
+    std::erase_if(plan.basis.landings, [&](const NominalLanding& landing) { return landing.surface != surface && landing.surface != "snow"; });
     return plan;
 }
 
@@ -27,7 +27,7 @@ RobustPlan grid(const std::string& family, const std::string& surface) {
 
 TEST_CASE("a valve without lag leaves nearly the held reference, a delay takes from it", "[STUDY-602]") {
     const RobustPlan plan = load_plan({});
-    for (const Landing& landing : plan.basis.landings) {
+    for (const NominalLanding& landing : plan.basis.landings) {
         INFO(landing.surface << " " << landing.maneuver);
         rig::RigParameters rig = landing.rig;
         rig.brake_on_mps = 20.0;
@@ -48,11 +48,11 @@ TEST_CASE("a valve without lag leaves nearly the held reference, a delay takes f
 
 TEST_CASE("the law that is told the peak has less, at every speed of brake-on", "[STUDY-602]") {
     const RobustPlan plan = grid("brake_on", "wet_asphalt");
-    const std::vector<Row> rows = run(plan, {.threads = 2});
+    const std::vector<DrawnStop> rows = run(plan, {.threads = 2});
     REQUIRE(rows.size() == plan.stops());
     const std::size_t stops = plan.draws_of(Family::brake_on);
     for (std::size_t i = 0; i < stops; ++i) {
-        const Row &told = rows[i], &soonest = rows[stops + i], &wary = rows[2 * stops + i];
+        const DrawnStop &told = rows[i], &soonest = rows[stops + i], &wary = rows[2 * stops + i];
         REQUIRE(soonest.law == 1);
         REQUIRE(soonest.number == told.number);
         CHECK_FALSE(soonest.brakes_released());
@@ -66,7 +66,7 @@ TEST_CASE("the law that is told the peak has less, at every speed of brake-on", 
 
 TEST_CASE("who does not know the runway ahead, and sees what is under the wheel later, has less", "[STUDY-602]") {
     const RobustPlan plan = load_plan({});
-    for (const Landing& landing : plan.basis.landings) {
+    for (const NominalLanding& landing : plan.basis.landings) {
         INFO(landing.surface << " " << landing.maneuver);
         rig::RigParameters rig = landing.rig;
         rig.brake_on_mps = 20.0;
@@ -99,7 +99,7 @@ TEST_CASE("no change of surface is made good sooner than the valve's delay leave
     for (std::size_t i = 0; i < plan.basis.landings.size(); ++i) {
         const rig::RigParameters& from = plan.basis.landings[i].rig;
         const auto other = std::find_if(plan.basis.landings.begin(), plan.basis.landings.end(),
-                                        [&from](const Landing& landing) { return landing.rig.surface.name != from.surface.name; });
+                                        [&from](const NominalLanding& landing) { return landing.rig.surface.name != from.surface.name; });
         const SoonestRegrip soonest = soonest_regrip(from, other->rig.surface, 40.0, 1e-3);
         INFO("from " << from.surface.name);
         CHECK(soonest.regrip.speed_mps == Approx(40.0).margin(0.1));

@@ -29,9 +29,9 @@ TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[S
     for (const char* family : {"paper", "ring"}) {
         RobustPlan plan = told(family);
         if (plan.families.front() == Family::ring) plan.draws = 4;
-        const std::vector<Row> rows = run(plan, {.threads = 2});
+        const std::vector<DrawnStop> rows = run(plan, {.threads = 2});
         REQUIRE(rows.size() == plan.draws);
-        for (const Row& row : rows) {
+        for (const DrawnStop& row : rows) {
             const Draw d = draw(plan.basis, row.family, plan.seed, row.number);
             INFO(describe(plan.basis, d));
             study::SessionOptions number = session(plan, {.name = "slip", .law = antiskid::control::Law::wheel_slip}, row.number);
@@ -75,10 +75,10 @@ TEST_CASE("no other law is told", "[STUDY-602]") {
 TEST_CASE("distances are compared draw by draw; what did not come to rest is outside of 3 %", "[STUDY-602]") {
     RobustPlan plan = told("paper", {"peak_slip", "told_peak"});
     plan.draws = 100;
-    std::vector<Row> rows;
+    std::vector<DrawnStop> rows;
     for (std::size_t law = 0; law < 2; ++law) {
         for (std::size_t i = 0; i < 100; ++i) {
-            Row row;
+            DrawnStop row;
             row.law = law;
             row.number = i;
             row.figures.standstill = true;

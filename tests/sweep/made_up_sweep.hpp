@@ -12,7 +12,7 @@ sweep::StopsTable table(std::vector<double> references, std::size_t landings, co
     t.identity = {.version = "1", .config_hash = "h", .seed = 1, .references = std::move(references), .landings = landings, .threshold = threshold};
     for (std::size_t i = 0; i < t.identity.stops(); ++i) {
         const std::size_t r = i / landings;
-        sweep::Row row;
+        sweep::SweptStop row;
         row.stop.number = i;
         row.stop.landing = i % landings;
         row.stop.threshold = r == t.identity.references.size();

@@ -18,12 +18,12 @@
 
 namespace {
 
-std::string csv_of(const sweep::SweepPlan& plan, std::span<const sweep::Row> rows) {
+std::string csv_of(const sweep::SweepPlan& plan, std::span<const sweep::SweptStop> rows) {
     return sweep::to_csv(sweep::identity_of(plan), rows);
 }
 
 /// Runs stop `number` alone.
-sweep::Row run_one(const sweep::SweepPlan& plan, std::size_t number) {
+sweep::SweptStop run_one(const sweep::SweepPlan& plan, std::size_t number) {
     const study::RunResult result = study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number), study::Link::rounded);
     return {.stop = plan.stop(number), .figures = result.figures, .faults = result.faults};
 }
@@ -32,7 +32,7 @@ sweep::Row run_one(const sweep::SweepPlan& plan, std::size_t number) {
 const std::string& reference_csv() {
     static const std::string kCsv = [] {
         const sweep::SweepPlan plan = small::plan();
-        std::vector<sweep::Row> rows;
+        std::vector<sweep::SweptStop> rows;
         for (std::size_t i = plan.stops(); i-- > 0;) rows.insert(rows.begin(), run_one(plan, i));
         return csv_of(plan, rows);
     }();
@@ -79,7 +79,7 @@ TEST_CASE("what a stop or an observer throws ends the run and comes out of it", 
     const sweep::SweepPlan plan = small::plan(1, many_references());
     const auto numbers = study::team::order_of_work(plan.stops());
     std::size_t seen = 0;
-    const auto full_disk = [&seen](const sweep::Row&) {
+    const auto full_disk = [&seen](const sweep::SweptStop&) {
         if (++seen == 2) throw std::runtime_error("no space left on device");
     };
     CHECK_THROWS_WITH(sweep::run(plan, numbers, {.threads = 3, .on_row = full_disk}), "no space left on device");
@@ -161,7 +161,7 @@ TEST_CASE("three processes give the bytes of one, and go on where one was stoppe
         file.append(sweep::line(run_one(plan, 5)));
     }
     threads::Wire wire;
-    std::vector<sweep::Row> rows;
+    std::vector<sweep::SweptStop> rows;
     std::vector<std::size_t> others(3, 1);
     {
         std::vector<std::jthread> processes;

@@ -20,7 +20,7 @@ const sweep::Check& named(const sweep::Summary& summary, const std::string& name
 template <typename Change>
 sweep::Summary with(const Change& change) {
     auto table = made_up::table(sweep::paper_references(), 40, made_up::like_the_paper);
-    for (sweep::Row& row : table.rows) change(row);
+    for (sweep::SweptStop& row : table.rows) change(row);
     return sweep::summarised(table.identity, table.rows);
 }
 
@@ -71,52 +71,52 @@ TEST_CASE("means and standard error over the landings, law by law", "[STUDY-148]
 }
 
 TEST_CASE("what the paper shows passes; each thing that is not so fails by its name", "[STUDY-148]") {
-    CHECK(with([](sweep::Row&) {}).passed());
-    fails_alone(with([](sweep::Row& r) { r.figures.j_mu -= 0.01; }), "j_mu");
-    fails_alone(with([](sweep::Row& r) {
+    CHECK(with([](sweep::SweptStop&) {}).passed());
+    fails_alone(with([](sweep::SweptStop& r) { r.figures.j_mu -= 0.01; }), "j_mu");
+    fails_alone(with([](sweep::SweptStop& r) {
                     if (r.stop.slip_reference == 0.22) r.figures.j_mu += 0.003;
                 }),
                 "near_best");
-    fails_alone(with([](sweep::Row& r) {
+    fails_alone(with([](sweep::SweptStop& r) {
                     if (r.stop.slip_reference == 0.35) r.figures.j_mu += 0.008;
                 }),
                 "j_mu_trend");
-    fails_alone(with([](sweep::Row& r) {
+    fails_alone(with([](sweep::SweptStop& r) {
                     if (r.stop.slip_reference == 0.1) r.figures.stop_distance_m += 50.0;
                 }),
                 "distance_trend");
-    fails_alone(with([](sweep::Row& r) {
+    fails_alone(with([](sweep::SweptStop& r) {
                     r.figures.energy_brake_J *= 0.8;
                     r.figures.energy_tyre_J *= 1.25;
                 }),
                 "brake_above_tyre");
-    fails_alone(with([](sweep::Row& r) {
+    fails_alone(with([](sweep::SweptStop& r) {
                     if (r.stop.slip_reference == 0.3) r.figures.energy_tyre_J *= 0.96;
                 }),
                 "energy_monotone");
-    fails_alone(with([](sweep::Row& r) {
+    fails_alone(with([](sweep::SweptStop& r) {
                     if (r.stop.slip_reference == 0.4) *r.figures.tracked_tyre_share -= 0.02;
                 }),
                 "tyre_share");
-    fails_alone(with([](sweep::Row& r) {
+    fails_alone(with([](sweep::SweptStop& r) {
                     if (r.stop.number == 17) r.faults.insert(antiskid::control::Fault::wheel_lost);
                 }),
                 "all_stop");
-    fails_alone(with([](sweep::Row& r) {
+    fails_alone(with([](sweep::SweptStop& r) {
                     if (r.stop.threshold) r.figures.standstill = false;
                 }),
                 "all_stop");
-    CHECK_FALSE(named(with([](sweep::Row& r) { r.figures.j_mu = 1.0 - r.figures.j_mu; }), "j_mu_trend").passed);
+    CHECK_FALSE(named(with([](sweep::SweptStop& r) { r.figures.j_mu = 1.0 - r.figures.j_mu; }), "j_mu_trend").passed);
 }
 
 TEST_CASE("what few landings cannot show is said, not passed and not failed", "[STUDY-148]") {
     auto table = made_up::table(sweep::paper_references(), 16, made_up::like_the_paper);
-    for (sweep::Row& row : table.rows) row.figures.j_mu -= 0.01;  // would fail with more
+    for (sweep::SweptStop& row : table.rows) row.figures.j_mu -= 0.01;  // would fail with more
     const sweep::Summary few = sweep::summarised(table.identity, table.rows);
     CHECK(few.passed());
     CHECK(few.unchecked.size() == 5);
     CHECK(named(few, "energy_monotone").passed);
-    for (sweep::Row& row : table.rows) row.figures.energy_tyre_J = 1e6;  // this is no matter of how many
+    for (sweep::SweptStop& row : table.rows) row.figures.energy_tyre_J = 1e6;  // this is no matter of how many
     CHECK_FALSE(sweep::summarised(table.identity, table.rows).passed());
 }
 

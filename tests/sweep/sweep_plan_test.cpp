@@ -50,7 +50,7 @@ TEST_CASE("landings are drawn each by itself: more of them change none, another 
     // Uniform over scenarios and life: 1000 draws, chi-square with 31 degrees of freedom below its 99.9 % quantile of 61.1.
     std::map<std::size_t, double> counts;
     double mean_J = 0.0;
-    for (const sweep::Landing& landing : many) {
+    for (const sweep::DrawnLanding& landing : many) {
         REQUIRE(landing.scenario < 32);
         REQUIRE(landing.c_e_J > 0.0);
         REQUIRE(landing.c_e_J < 4e9);
@@ -71,7 +71,7 @@ TEST_CASE("friction is drawn from the brake's wear model at the wear that was dr
     double off = 0.0;
     double low = 1.0;
     double high = 0.0;
-    for (const sweep::Landing& landing : plan.landings) {
+    for (const sweep::DrawnLanding& landing : plan.landings) {
         const double expected = wear::expected_friction_at(*rig.wear.model, rig.wear.scale, {}, landing.c_e_J);
         off += (landing.mean_friction - expected) / 2000.0;
         low = std::min(low, landing.mean_friction);

@@ -7,8 +7,8 @@
 namespace {
 
 /// Figures that only the shortest exact decimal brings back.
-sweep::Row made_up(const sweep::SweepPlan& plan, std::size_t number) {
-    sweep::Row row{.stop = plan.stop(number), .figures = {}, .faults = {}};
+sweep::SweptStop made_up(const sweep::SweepPlan& plan, std::size_t number) {
+    sweep::SweptStop row{.stop = plan.stop(number), .figures = {}, .faults = {}};
     row.figures.j_mu = 0.1 + 0.2;
     row.figures.stop_distance_m = 1.0 / 3.0 + static_cast<double>(number);
     row.figures.energy_residual = -1.1e-300;
@@ -23,7 +23,7 @@ sweep::Row made_up(const sweep::SweepPlan& plan, std::size_t number) {
 
 std::string csv() {
     const sweep::SweepPlan plan = small::plan();
-    std::vector<sweep::Row> rows;
+    std::vector<sweep::SweptStop> rows;
     for (std::size_t i = 0; i < 3; ++i) rows.push_back(made_up(plan, i));
     return sweep::to_csv(sweep::identity_of(plan), rows);
 }
@@ -36,7 +36,7 @@ TEST_CASE("a table reads back to the last bit", "[STUDY-148]") {
     CHECK(table.identity == sweep::identity_of(plan));
     REQUIRE(table.rows.size() == 3);
     for (std::size_t i = 0; i < 3; ++i) {
-        const sweep::Row wanted = made_up(plan, i);
+        const sweep::SweptStop wanted = made_up(plan, i);
         CHECK(table.rows[i].stop == wanted.stop);
         CHECK(table.rows[i].figures.j_mu == wanted.figures.j_mu);
         CHECK(table.rows[i].figures.stop_distance_m == wanted.figures.stop_distance_m);

@@ -16,8 +16,8 @@
 
 namespace {
 
+using wear::BrakeFault;
 using wear::Condition;
-using wear::Fault;
 
 std::vector<wear::Campaign> fleet(std::uint64_t first, std::uint64_t count) {
     std::vector<wear::Campaign> out;
@@ -53,7 +53,7 @@ TEST_CASE("a trial counts each of its brakes", "[WEAR-060]") {
     const wear::HealthyTrial t = wear::try_healthy(shipped_population(), healthy);
     CHECK(t.campaigns == 2);
     CHECK(t.maneuvers == healthy[0].points.size() + healthy[1].points.size());
-    const wear::FaultTrial dropped = wear::try_fault(shipped_population(), healthy, Fault::drop, 0.9, 1);
+    const wear::FaultTrial dropped = wear::try_fault(shipped_population(), healthy, BrakeFault::drop, 0.9, 1);
     CHECK(dropped.campaigns == 2 - t.flagged);
     CHECK(dropped.flagged == dropped.campaigns);
 }
@@ -71,13 +71,14 @@ TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060][figures]") {
 TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the stated number of maneuvers", "[WEAR-060][figures]") {
     const std::vector<wear::Campaign> healthy = fleet(80000, 60);
     struct Promise {
-        Fault fault;
+        BrakeFault fault;
         double size;
         std::size_t half;
         std::size_t ninety;  // 0: nothing is stated
     };
-    for (const Promise& p : {Promise{Fault::glazing, 0.10, 40, 0}, Promise{Fault::glazing, 0.20, 25, 0}, Promise{Fault::drop, 0.10, 3, 12},
-                             Promise{Fault::drop, 0.20, 3, 3}, Promise{Fault::drag, 0.10, 3, 12}, Promise{Fault::drag, 0.20, 3, 3}}) {
+    for (const Promise& p :
+         {Promise{BrakeFault::glazing, 0.10, 40, 0}, Promise{BrakeFault::glazing, 0.20, 25, 0}, Promise{BrakeFault::drop, 0.10, 3, 12},
+          Promise{BrakeFault::drop, 0.20, 3, 3}, Promise{BrakeFault::drag, 0.10, 3, 12}, Promise{BrakeFault::drag, 0.20, 3, 3}}) {
         const wear::FaultTrial t = wear::try_fault(shipped_population(), healthy, p.fault, p.size, 1);
         CAPTURE(wear::name(p.fault), p.size, t.flagged, t.campaigns, t.median, t.ninety);
         CHECK(t.campaigns >= 57);
@@ -116,7 +117,7 @@ TEST_CASE("limits flag the stated share of the brakes that they were made from, 
 
 TEST_CASE("what is wrong is named by its direction, and abnormal is for good", "[WEAR-060]") {
     const wear::Campaign healthy = physical::worn_out(80001).campaign;
-    const auto watch = [&](Fault fault, double size) {
+    const auto watch = [&](BrakeFault fault, double size) {
         wear::HealthMonitor monitor(shipped_population());
         wear::Verdict last;
         bool was_abnormal = false;
@@ -129,16 +130,16 @@ TEST_CASE("what is wrong is named by its direction, and abnormal is for good", "
         }
         return last;
     };
-    CHECK_THAT(watch(Fault::drop, 0.2).reason, ContainsSubstring("friction has dropped"));
-    CHECK_THAT(watch(Fault::drag, 0.2).reason, ContainsSubstring("torque without pressure"));
-    CHECK_THAT(watch(Fault::glazing, 0.2).reason, ContainsSubstring("falls away"));
-    CHECK(watch(Fault::drop, 0.0).condition != Condition::abnormal);
+    CHECK_THAT(watch(BrakeFault::drop, 0.2).reason, ContainsSubstring("friction has dropped"));
+    CHECK_THAT(watch(BrakeFault::drag, 0.2).reason, ContainsSubstring("torque without pressure"));
+    CHECK_THAT(watch(BrakeFault::glazing, 0.2).reason, ContainsSubstring("falls away"));
+    CHECK(watch(BrakeFault::drop, 0.0).condition != Condition::abnormal);
 }
 
 TEST_CASE("a fault is put in as it is described", "[WEAR-060]") {
     const wear::Campaign healthy = physical::worn_out(80002).campaign;
-    const wear::Campaign drop = wear::with_fault(healthy, Fault::drop, 0.1, 50);
-    const wear::Campaign glazing = wear::with_fault(healthy, Fault::glazing, 0.1, 50);
+    const wear::Campaign drop = wear::with_fault(healthy, BrakeFault::drop, 0.1, 50);
+    const wear::Campaign glazing = wear::with_fault(healthy, BrakeFault::glazing, 0.1, 50);
     CHECK(drop.points[49] == healthy.points[49]);
     CHECK(drop.points[50].mean_friction == Approx(0.9 * healthy.points[50].mean_friction));
     CHECK(glazing.points[69].mean_friction == Approx(0.95 * healthy.points[69].mean_friction));

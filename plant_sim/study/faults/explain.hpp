@@ -5,12 +5,29 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "plant_sim/study/faults/fault_campaign.hpp"
-#include "plant_sim/study/faults/symptoms.hpp"
 #include "plant_sim/study/robust/uncertainty.hpp"
 
 namespace faults {
+
+/// Of a fault: a figure of a stop computed only from the controller's inputs and commands. Without a fault it is near that of other fault-free stops,
+/// on any runway.
+enum class Symptom : std::uint8_t {
+    late,     ///< s, largest delay of a wheel frame after its newest edge, beyond the smallest so far
+    refused,  ///< number of rejected frames of all inputs
+    wild,     ///< number of impossible readings of the wheel above 2.7 times drop-out, decreasing by two per second; its maximum
+    scatter,  ///< root mean square deviation of the wheel's readings from the expected speed, in standard deviations of a reading
+    mass,     ///< kg, the aircraft's: impulse of the road (by brake torque and wheel acceleration) over the loss of speed
+    off_map,  ///< Pa, mean deviation of the transducer's reading from the pressure that the commands alone explain
+    lag,      ///< s, delay of the pressure behind the command, by regression on the commanded rate
+    excess,   ///< s, integral of the slip beyond 0.05 above the reference in force; decreases below it
+};
+inline constexpr std::array<std::string_view, 8> kSymptomNames{"late_s", "refused", "wild", "scatter", "mass_kg", "off_map_Pa", "lag_s", "excess_s"};
+
+/// Indexed by Symptom.
+using Symptoms = std::array<double, kSymptomNames.size()>;
 
 /// Range of a figure in fault-free stops.
 struct Span {

@@ -36,22 +36,22 @@ class FaultFreeStops {
 
 }  // namespace
 
-std::vector<Row> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options) {
-    std::vector<std::optional<Row>> rows(numbers.size());
+std::vector<JudgedRun> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options) {
+    std::vector<std::optional<JudgedRun>> rows(numbers.size());
     FaultFreeStops sound(plan);
     std::mutex mutex;
     std::size_t done = 0;
     const auto job = [&](std::size_t i) {
         const Case c = plan.at(numbers[i]);
-        rows[i] = Row{c, run_one(plan, c, sound.of(c))};
+        rows[i] = JudgedRun{c, run_one(plan, c, sound.of(c))};
         const std::scoped_lock lock(mutex);
         ++done;
         if (options.progress) options.progress(done);
     };
     wear::run_jobs(options.threads, numbers.size(), job, options.stop);
-    std::vector<Row> finished;
+    std::vector<JudgedRun> finished;
     finished.reserve(done);
-    for (std::optional<Row>& row : rows) {
+    for (std::optional<JudgedRun>& row : rows) {
         if (row) finished.push_back(*row);
     }
     return finished;

@@ -132,7 +132,7 @@ using PeriodObserver = std::function<void(const Period&)>;
 /// `sound`: the fault-free stop of `c`. `on_period` may be empty.
 [[nodiscard]] Result run_one(const FaultPlan& plan, const Case& c, const FaultFree& sound, const PeriodObserver& on_period = {});
 
-struct Row {
+struct JudgedRun {
     Case run;
     Result result;
 };
@@ -144,6 +144,6 @@ struct CampaignOptions {
 };
 
 /// Runs `numbers` of the plan; returns the finished ones in the order given. Throws as run_fault_free.
-[[nodiscard]] std::vector<Row> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options);
+[[nodiscard]] std::vector<JudgedRun> run_campaign(const FaultPlan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options);
 
 }  // namespace faults

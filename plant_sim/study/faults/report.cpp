@@ -46,7 +46,7 @@ struct PairSummary {
 
 }  // namespace
 
-std::string to_csv(const FaultPlan& plan, std::span<const Row> rows) {
+std::string to_csv(const FaultPlan& plan, std::span<const JudgedRun> rows) {
     auto csv = settings::TextTable::csv(
         "run|signal|kind|phase|surface|repetition|strength:.4f|share:.4f|negative|lasts_s:.4f|begun_s:.4f|begun_mps:.4f|outcome|hazard|named|named_"
         "after_s:.4f|distance_share:.4f|longest_lock_s:.4f|max_uncommanded_Pa:.0f");
@@ -62,7 +62,7 @@ std::string to_csv(const FaultPlan& plan, std::span<const Row> rows) {
     return csv.text();
 }
 
-std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
+std::string to_json(const FaultPlan& plan, std::span<const JudgedRun> rows) {
     Counts all{};
     std::map<std::pair<Signal, Kind>, PairSummary> pairs;
     settings::Json unsafe = settings::Json::array();
@@ -131,10 +131,10 @@ std::string describe(const Result& result) {
     return text + fmt::format("; {:.3f} of the fault-free stop's distance, longest lock under pressure {:.3f} s", v.distance_share, v.longest_lock_s);
 }
 
-std::string to_table(const FaultPlan& plan, std::span<const Row> rows, std::size_t max) {
+std::string to_table(const FaultPlan& plan, std::span<const JudgedRun> rows, std::size_t max) {
     std::map<Signal, Counts> signals;
     Counts all{};
-    for (const Row& row : rows) {
+    for (const JudgedRun& row : rows) {
         const auto outcome = static_cast<std::size_t>(row.result.verdict.outcome);
         ++signals[row.run.fault.what.signal][outcome];
         ++all[outcome];
@@ -152,7 +152,7 @@ std::string to_table(const FaultPlan& plan, std::span<const Row> rows, std::size
     return text;
 }
 
-void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::filesystem::path& png) {
+void draw_matrix(const FaultPlan& plan, std::span<const JudgedRun> rows, const std::filesystem::path& png) {
     const std::size_t columns = kPhaseNames.size() * plan.surfaces.size();
     const std::span<const Pair> pairs = catalogue();
     const std::size_t surfaces = plan.surfaces.size();
@@ -164,7 +164,7 @@ void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::fi
                       .x = {0.0, static_cast<double>(columns - 1)},
                       .y = {0.0, static_cast<double>(pairs.size() - 1)},
                       .classes = {kOutcomeNames.begin(), kOutcomeNames.end()}};
-    for (const Row& row : rows) {
+    for (const JudgedRun& row : rows) {
         const auto pair = static_cast<std::size_t>(std::find(pairs.begin(), pairs.end(), row.run.fault.what) - pairs.begin());
         double& cell = map.values[pair * columns + static_cast<std::size_t>(row.run.phase) * surfaces + row.run.surface];
         cell = std::fmax(cell, static_cast<double>(row.result.verdict.outcome));

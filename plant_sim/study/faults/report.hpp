@@ -10,16 +10,16 @@
 namespace faults {
 
 /// All runs as CSV with units in the header.
-[[nodiscard]] std::string to_csv(const FaultPlan& plan, std::span<const Row> rows);
+[[nodiscard]] std::string to_csv(const FaultPlan& plan, std::span<const JudgedRun> rows);
 /// Totals, bounds, and for each signal and kind the outcomes, the faults named and their delays.
-[[nodiscard]] std::string to_json(const FaultPlan& plan, std::span<const Row> rows);
+[[nodiscard]] std::string to_json(const FaultPlan& plan, std::span<const JudgedRun> rows);
 /// Text for people: outcomes by signal, and at most `max` of the unsafe runs.
-[[nodiscard]] std::string to_table(const FaultPlan& plan, std::span<const Row> rows, std::size_t max);
+[[nodiscard]] std::string to_table(const FaultPlan& plan, std::span<const JudgedRun> rows, std::size_t max);
 /// One line of text: the run's fault and conditions, or its result.
 [[nodiscard]] std::string describe(const FaultPlan& plan, const Case& run);
 [[nodiscard]] std::string describe(const Result& result);
 
 /// Picture of signals and kinds over parts and surfaces; each cell shows the worst outcome of its runs. Throws as pictures::run_gnuplot.
-void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::filesystem::path& png);
+void draw_matrix(const FaultPlan& plan, std::span<const JudgedRun> rows, const std::filesystem::path& png);
 
 }  // namespace faults

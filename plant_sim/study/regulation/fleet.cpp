@@ -1,6 +1,7 @@
 #include "plant_sim/study/regulation/fleet.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 namespace regulation {
@@ -173,6 +174,58 @@ class FleetDays {
 FleetResult run_fleet(const AircraftKind& kind, const FleetRules& rules, const Economy& economy, const FleetPolicy& policy,
                       std::span<const std::uint64_t> seeds) {
     return FleetDays(kind, rules, economy, policy, seeds).run();
+}
+
+double Economy::landings_left(const Pair& left, const Choice& choice) const {
+    return std::min(left.brake_J / (1.0 - choice.mean_share), left.tyre_J / choice.mean_share) / landing_J_;
+}
+
+const Choice& Economy::together(const Pair& left, const Choice& preferred) const {
+    double tyres_J = left.tyre_J;
+    double before = 0.0;
+    double share = tyres_J / (tyres_J + left.brake_J);
+    while (share < preferred.mean_share) {
+        before = share;
+        tyres_J += costs_.planned.tyre_J;
+        share = tyres_J / (tyres_J + left.brake_J);
+    }
+    return choices_->at(preferred.mean_share - before < share - preferred.mean_share ? before : share);
+}
+
+const Choice& Economy::lasting(const Pair& left, const Choice& choice, double landings) const {
+    const double energy_J = landings * landing_J_;
+    const double least = 1.0 - left.brake_J / energy_J, greatest = left.tyre_J / energy_J;
+    if (least > greatest) return choices_->at(left.tyre_J / (left.tyre_J + left.brake_J));
+    return choices_->at(std::clamp(choice.mean_share, least, greatest));
+}
+
+bool Economy::brake_worth_changing(double left_J) const {
+    return left_J * costs_.brake_per_J < costs_.visit * (1.0 - left_J / costs_.planned.brake_J);
+}
+
+bool Economy::tyre_worth_changing(double left_J) const {
+    return left_J * costs_.tyre_per_J < costs_.visit * (1.0 - left_J / costs_.planned.tyre_J);
+}
+
+std::vector<double> Shop::latest_starts(std::span<const double> due) const {
+    std::vector<double> start(due.begin(), due.end());
+    const auto together = static_cast<std::size_t>(bays);
+    // With visits of equal length, the bay of visit i is the one that visit i + bays takes next.
+    for (std::size_t i = start.size(); i-- > 0;)
+        if (i + together < start.size()) start[i] = std::min(start[i], start[i + together] - visit_days);
+    return start;
+}
+
+std::vector<double> Shop::first_come(std::span<const double> due, std::span<const double> busy) const {
+    std::vector<double> free(static_cast<std::size_t>(bays), 0.0);
+    std::copy(busy.begin(), busy.end(), free.begin());
+    std::vector<double> start(due.begin(), due.end());
+    for (double& day : start) {
+        double& bay = *std::min_element(free.begin(), free.end());
+        day = std::max(day, bay);
+        bay = day + visit_days;
+    }
+    return start;
 }
 
 }  // namespace regulation

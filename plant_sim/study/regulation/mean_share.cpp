@@ -19,7 +19,6 @@ Choice tabulated(const wear::SurfaceTable& table, const std::function<double(std
         choice.tyre_share.push_back(table.at(row.tyre_share, reference(s)));
         choice.distance_m.push_back(table.at(row.distance_m, reference(s)));
         choice.mean_share += choice.tyre_share.back() / count;
-        choice.mean_distance_m += choice.distance_m.back() / count;
     }
     return choice;
 }

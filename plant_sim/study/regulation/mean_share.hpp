@@ -11,7 +11,7 @@ namespace regulation {
 /// A reference for each surface, with its results; surfaces as in the table, all equally probable.
 struct Choice {
     std::vector<double> tyre_share, distance_m;  ///< of each surface
-    double mean_share = 0.0, mean_distance_m = 0.0;
+    double mean_share = 0.0;
     std::optional<double> reference{};  ///< of all surfaces; none: each has its own
 };
 /// The same reference on all surfaces.

@@ -13,19 +13,19 @@ namespace robust {
 
 namespace {
 
-double travel_mAps(const Row& row) {
+double travel_mAps(const DrawnStop& row) {
     return row.figures.valve_travel_mAps.value_or(0.0);
 }
 
 std::string stop_is(const RobustPlan& plan, std::size_t number) {
-    const Landing& landing = plan.basis.landings[brake_on_at(plan.basis, number).landing];
+    const NominalLanding& landing = plan.basis.landings[brake_on_at(plan.basis, number).landing];
     return landing.surface + ", " + landing.maneuver;
 }
 
-BrakeOnSummary stops_at(const RobustPlan& plan, const std::vector<Row>& rows, std::size_t law, double speed_mps) {
+BrakeOnSummary stops_at(const RobustPlan& plan, const std::vector<DrawnStop>& rows, std::size_t law, double speed_mps) {
     BrakeOnSummary s{.law = law, .speed_mps = speed_mps, .mean_share = {}, .min_share = {}};
     double shares = 0.0;
-    for (const Row& row : rows) {
+    for (const DrawnStop& row : rows) {
         if (row.family != Family::brake_on || row.law != law || brake_on_at(plan.basis, row.number).speed_mps != speed_mps) continue;
         ++s.stops;
         s.brakes_released += row.brakes_released() ? 1U : 0U;
@@ -59,13 +59,13 @@ double asked_share(double speed_mps) {
     return speed_mps < kSlow_mps ? 0.87 : 0.93;
 }
 
-BrakeOnShare share_of(const RobustPlan& plan, const std::vector<Row>& rows, const Row& row) {
+BrakeOnShare share_of(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const DrawnStop& row) {
     const BrakeOn at = brake_on_at(plan.basis, row.number);
     const rig::RigParameters rig = grid_stop(plan.basis, Family::brake_on, row.number).rig;
     BrakeOnShare share;
     if (const auto slip = held_slip(plan, plan.laws[row.law], rig.surface))
         share.held_j_mu = held_j_mu(rig, plan.controller.slip, *slip, plan.drop_out_mps);
-    const auto fastest = std::find_if(rows.begin(), rows.end(), [&](const Row& other) {
+    const auto fastest = std::find_if(rows.begin(), rows.end(), [&](const DrawnStop& other) {
         const BrakeOn stop = brake_on_at(plan.basis, other.number);
         return other.family == Family::brake_on && other.law == row.law && stop.landing == at.landing &&
                stop.speed_mps == plan.basis.uncertainty.brake_on_mps.back();
@@ -74,7 +74,7 @@ BrakeOnShare share_of(const RobustPlan& plan, const std::vector<Row>& rows, cons
     return share;
 }
 
-std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std::vector<Row>& rows) {
+std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     std::vector<BrakeOnSummary> all;
     if (std::find(plan.families.begin(), plan.families.end(), Family::brake_on) == plan.families.end()) return all;
     for (std::size_t law = 0; law < plan.laws.size(); ++law)
@@ -82,7 +82,7 @@ std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std
     return all;
 }
 
-std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows) {
+std::string brake_on_table(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     const std::vector<BrakeOnSummary> all = summarise_brake_on(plan, rows);
     if (all.empty()) return {};
     auto table = settings::TextTable::markdown(
@@ -100,7 +100,7 @@ std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows)
     return "\nJ_mu over that of the reference held exactly, and valve travel over that of the fastest brake-on\n\n" + table.text();
 }
 
-settings::Json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows) {
+settings::Json brake_on_json(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     settings::Json json{{"required_travel_ratio", kRequiredTravelRatio}, {"summaries", settings::Json::array()}, {"stops", settings::Json::array()}};
     for (const BrakeOnSummary& s : summarise_brake_on(plan, rows))
         json["summaries"].push_back({{"law", plan.laws[s.law].name},
@@ -116,7 +116,7 @@ settings::Json brake_on_json(const RobustPlan& plan, const std::vector<Row>& row
                                      {"mean_valve_travel_mAps", s.mean_travel_mAps},
                                      {"max_travel_ratio", s.max_travel_ratio},
                                      {"max_travel_is", stop_is(plan, s.max)}});
-    for (const Row& row : rows) {
+    for (const DrawnStop& row : rows) {
         if (row.family != Family::brake_on) continue;
         const BrakeOn at = brake_on_at(plan.basis, row.number);
         const BrakeOnShare share = share_of(plan, rows, row);

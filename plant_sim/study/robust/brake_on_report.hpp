@@ -15,7 +15,7 @@ struct BrakeOnShare {
     std::optional<double> held_j_mu;  ///< see held_reference.hpp; none: the law holds no slip
     double travel_ratio = 0.0;        ///< valve travel over that of the fastest brake-on of the same landing and law
 };
-[[nodiscard]] BrakeOnShare share_of(const RobustPlan& plan, const std::vector<Row>& rows, const Row& row);
+[[nodiscard]] BrakeOnShare share_of(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const DrawnStop& row);
 
 /// Summary of one law at one speed.
 struct BrakeOnSummary {
@@ -37,11 +37,11 @@ struct BrakeOnSummary {
 [[nodiscard]] double asked_share(double speed_mps);
 inline constexpr double kRequiredTravelRatio = 3.0;
 
-[[nodiscard]] std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 
 /// Markdown; empty if the plan has no such stops.
-[[nodiscard]] std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::string brake_on_table(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 /// The summaries, and every stop.
-[[nodiscard]] settings::Json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] settings::Json brake_on_json(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 
 }  // namespace robust

@@ -27,7 +27,7 @@ std::vector<Group> groups_of(const RobustPlan& plan) {
     std::vector<Group> groups{{"all", [](const SurfaceChange&) { return true; }}};
     for (const double speed_mps : plan.basis.uncertainty.change_mps)
         groups.push_back({fmt::format("at {:.0f} m/s", speed_mps), [speed_mps](const SurfaceChange& c) { return c.speed_mps == speed_mps; }});
-    for (const Landing& landing : plan.basis.landings) {
+    for (const NominalLanding& landing : plan.basis.landings) {
         const std::string of = "to " + landing.surface;
         if (std::any_of(groups.begin(), groups.end(), [&](const Group& g) { return g.of == of; })) continue;
         groups.push_back({of, [&plan, &landing](const SurfaceChange& c) { return plan.basis.landings[c.to].surface == landing.surface; }});
@@ -39,10 +39,10 @@ double regained_s(const Regrip& regrip) {
     return regrip.regained_s.value_or(kNever_s);
 }
 
-ChangesSummary changes_of(const RobustPlan& plan, const std::vector<Row>& rows, std::size_t law, const Group& group) {
+ChangesSummary changes_of(const RobustPlan& plan, const std::vector<DrawnStop>& rows, std::size_t law, const Group& group) {
     ChangesSummary s{.law = law, .of = group.of};
     std::vector<double> times_s;
-    for (const Row& row : rows) {
+    for (const DrawnStop& row : rows) {
         if (row.family != Family::changes || row.law != law || !group.has(change_at(plan.basis, row.number))) continue;
         ++s.changes;
         if (!row.regrip || !row.regrip->measured()) continue;
@@ -69,7 +69,7 @@ std::string seconds(double time_s) {
 
 std::string change_is(const RobustPlan& plan, std::size_t number) {
     const SurfaceChange change = change_at(plan.basis, number);
-    const Landing& from = plan.basis.landings[change.from];
+    const NominalLanding& from = plan.basis.landings[change.from];
     return fmt::format("{} to {}, {}, {:.0f} m/s", from.surface, plan.basis.landings[change.to].surface, from.maneuver, change.speed_mps);
 }
 
@@ -87,7 +87,7 @@ settings::Json summary_json(const RobustPlan& plan, const ChangesSummary& s) {
 
 }  // namespace
 
-std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std::vector<Row>& rows) {
+std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     std::vector<ChangesSummary> all;
     if (std::find(plan.families.begin(), plan.families.end(), Family::changes) == plan.families.end()) return all;
     const std::vector<Group> groups = groups_of(plan);
@@ -96,7 +96,7 @@ std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std:
     return all;
 }
 
-std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows) {
+std::string changes_table(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     const std::vector<ChangesSummary> all = summarise_changes(plan, rows);
     if (all.empty()) return {};
     auto table = settings::TextTable::markdown("law|changes|measured|within 0.4 s|median (s)|90 % (s)|never|worst (s)");
@@ -111,10 +111,10 @@ std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows) 
     return "\n95 % of the new surface's friction, regained and kept after a change of surface\n\n" + table.text();
 }
 
-settings::Json changes_json(const RobustPlan& plan, const std::vector<Row>& rows) {
+settings::Json changes_json(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     settings::Json json{{"summaries", settings::Json::array()}, {"changes", settings::Json::array()}};
     for (const ChangesSummary& s : summarise_changes(plan, rows)) json["summaries"].push_back(summary_json(plan, s));
-    for (const Row& row : rows) {
+    for (const DrawnStop& row : rows) {
         if (row.family != Family::changes) continue;
         const SurfaceChange change = change_at(plan.basis, row.number);
         settings::Json one{{"law", plan.laws[row.law].name},

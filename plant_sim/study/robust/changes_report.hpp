@@ -24,11 +24,11 @@ struct ChangesSummary {
     std::size_t worst = 0;  ///< number of the stop with `worst_s`
 };
 
-[[nodiscard]] std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 
 /// Markdown; empty if the plan has no changes.
-[[nodiscard]] std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::string changes_table(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 /// The summaries, and every change.
-[[nodiscard]] settings::Json changes_json(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] settings::Json changes_json(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 
 }  // namespace robust

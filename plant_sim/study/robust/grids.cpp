@@ -6,7 +6,7 @@ namespace {
 
 /// Landings of the same mass on the other surfaces.
 std::vector<std::size_t> beside(const Basis& basis, std::size_t landing) {
-    const Landing& from = basis.landings[landing];
+    const NominalLanding& from = basis.landings[landing];
     std::vector<std::size_t> others;
     for (std::size_t i = 0; i < basis.landings.size(); ++i)
         if (basis.landings[i].maneuver == from.maneuver && basis.landings[i].surface != from.surface) others.push_back(i);

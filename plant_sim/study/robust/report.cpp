@@ -28,7 +28,7 @@ std::string worst_is(const RobustPlan& plan, const Summary& s) {
     return describe(plan.basis, draw(plan.basis, s.family, plan.seed, s.worst));
 }
 
-double distance_m(const Row& row) {
+double distance_m(const DrawnStop& row) {
     return row.figures.standstill ? row.figures.stop_distance_m : std::numeric_limits<double>::infinity();
 }
 
@@ -39,13 +39,13 @@ std::optional<std::size_t> told_peak(const RobustPlan& plan) {
 }
 
 /// `yardstick`: the law that knows the peak slip.
-std::optional<AgainstToldPeak> against(const std::vector<Row>& rows, const Summary& s, std::size_t yardstick) {
+std::optional<AgainstToldPeak> against(const std::vector<DrawnStop>& rows, const Summary& s, std::size_t yardstick) {
     std::map<std::size_t, double> told_m;  // by draw
-    for (const Row& row : rows)
+    for (const DrawnStop& row : rows)
         if (row.family == s.family && row.law == yardstick && row.figures.standstill) told_m[row.number] = distance_m(row);
     AgainstToldPeak a;
     std::vector<double> ratios;
-    for (const Row& row : rows) {
+    for (const DrawnStop& row : rows) {
         if (row.family != s.family || row.law != s.law) continue;
         const auto told = told_m.find(row.number);
         if (told != told_m.end()) ratios.push_back(distance_m(row) / told->second);
@@ -66,16 +66,17 @@ std::string ratio(double value) {
     return std::isfinite(value) ? fmt::format("{:.4f}", value) : "no stop";
 }
 
-std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
-    std::vector<Row> own;
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(own), [&s](const Row& row) { return row.family == s.family && row.law == s.law; });
-    std::stable_sort(own.begin(), own.end(), [](const Row& a, const Row& b) { return a.figures.j_mu < b.figures.j_mu; });
+std::vector<DrawnStop> worst_first(const std::vector<DrawnStop>& rows, const Summary& s) {
+    std::vector<DrawnStop> own;
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
+                 [&s](const DrawnStop& row) { return row.family == s.family && row.law == s.law; });
+    std::stable_sort(own.begin(), own.end(), [](const DrawnStop& a, const DrawnStop& b) { return a.figures.j_mu < b.figures.j_mu; });
     return own;
 }
 
 /// J_mu over the share of stops that are not better, and the stops in which the brakes were released.
-std::array<pictures::Series, 2> curves(const RobustPlan& plan, const std::vector<Row>& rows, const Summary& s) {
-    const std::vector<Row> own = worst_first(rows, s);
+std::array<pictures::Series, 2> curves(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const Summary& s) {
+    const std::vector<DrawnStop> own = worst_first(rows, s);
     pictures::Series all{.name = fmt::format("{}, mean {:.3f}", plan.laws[s.law].name, s.mean_j_mu), .colour = s.law, .width = 2.0};
     pictures::Series released{.name = fmt::format("{} brakes released", s.brakes_released), .style = pictures::Style::points, .colour = s.law};
     all.add(0.0, own.front().figures.j_mu);
@@ -90,14 +91,14 @@ std::array<pictures::Series, 2> curves(const RobustPlan& plan, const std::vector
 
 }  // namespace
 
-std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& rows) {
+std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     std::vector<Summary> all;
     const std::optional<std::size_t> yardstick = told_peak(plan);
     for (const Family family : plan.families) {
         for (std::size_t law = 0; law < plan.laws.size(); ++law) {
             Summary s{.family = family, .law = law, .against_told_peak = {}};
             std::vector<double> j_mu;
-            for (const Row& row : rows) {
+            for (const DrawnStop& row : rows) {
                 if (row.family != family || row.law != law) continue;
                 if (j_mu.empty() || row.figures.j_mu < s.worst_j_mu) {
                     s.worst_j_mu = row.figures.j_mu;
@@ -122,7 +123,7 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
     return all;
 }
 
-std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
+std::string to_table(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const std::vector<Summary>& summaries) {
     const bool told = told_peak(plan).has_value();
     auto table = settings::TextTable::markdown(
         std::string("family|law|stops|brakes released|locked|mean J_mu:.4f|1st percentile:.3f|worst:.3f|valve travel (mA/s):.0f") +
@@ -140,7 +141,7 @@ std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const
     return table.text() + changes_table(plan, rows) + brake_on_table(plan, rows);
 }
 
-std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
+std::string to_json(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const std::vector<Summary>& summaries) {
     settings::Json json;
     json["seed"] = plan.seed;
     json["draws"] = plan.draws;
@@ -173,19 +174,19 @@ std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const 
     return settings::json_page(json);
 }
 
-std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows) {
+std::string to_csv(const RobustPlan& plan, const std::vector<DrawnStop>& rows) {
     auto csv =
         settings::TextTable::csv("family|law|draw|j_mu:.6f|stop_distance_m:.3f|longest_lock_s:.4f|peak_slip:.4f|faults|valve_travel_mAps:.1f|what");
-    for (const Row& row : rows)
+    for (const DrawnStop& row : rows)
         csv.add(name(row.family), plan.laws[row.law].name, row.number, row.figures.j_mu, row.figures.stop_distance_m, row.figures.longest_lock_s,
                 row.figures.peak_slip, row.faults.bits(), row.figures.valve_travel_mAps.value_or(0.0),
                 "\"" + describe(plan.basis, draw(plan.basis, row.family, plan.seed, row.number)) + "\"");
     return csv.text();
 }
 
-void draw_j_mu(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png) {
+void draw_j_mu(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png) {
     double min = 0.9, max = 1.0;
-    for (const Row& row : rows) {
+    for (const DrawnStop& row : rows) {
         min = std::min(min, row.figures.j_mu);
         max = std::max(max, row.figures.j_mu);
     }

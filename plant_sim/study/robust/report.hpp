@@ -25,7 +25,7 @@ struct Summary {
     Family family{};
     std::size_t law = 0;
     std::size_t stops = 0;
-    std::size_t brakes_released = 0;  ///< number of stops with Row::brakes_released()
+    std::size_t brakes_released = 0;  ///< number of stops with DrawnStop::brakes_released()
     std::size_t locked = 0;           ///< longest lock above 50 ms
     double mean_j_mu = 0.0;
     double percentile_j_mu = 0.0;  ///< 1st percentile by nearest rank
@@ -36,15 +36,15 @@ struct Summary {
 };
 
 /// In the order of the plan, without families that have no rows.
-[[nodiscard]] std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 
 /// Markdown; then a line for each worst stop with its draw, and the tables of the grids.
-[[nodiscard]] std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries);
-[[nodiscard]] std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries);
-[[nodiscard]] std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::string to_table(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const std::vector<Summary>& summaries);
+[[nodiscard]] std::string to_json(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const std::vector<Summary>& summaries);
+[[nodiscard]] std::string to_csv(const RobustPlan& plan, const std::vector<DrawnStop>& rows);
 
 /// One panel per family, one line per law: J_mu of every stop in ascending order, with crosses for those with the brakes released. Throws
 /// std::runtime_error as pictures::run_gnuplot.
-void draw_j_mu(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png);
+void draw_j_mu(const RobustPlan& plan, const std::vector<DrawnStop>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png);
 
 }  // namespace robust

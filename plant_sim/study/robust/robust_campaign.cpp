@@ -59,17 +59,17 @@ std::string identity_of(const RobustPlan& plan) {
     return text;
 }
 
-Row row_of(const RobustPlan& plan, std::size_t stop) {
+DrawnStop row_of(const RobustPlan& plan, std::size_t stop) {
     auto family = plan.families.begin();
     for (; stop >= plan.draws_of(*family) * plan.laws.size(); ++family) stop -= plan.draws_of(*family) * plan.laws.size();
-    return Row{
+    return DrawnStop{
         .family = *family, .law = stop / plan.draws_of(*family), .number = stop % plan.draws_of(*family), .figures = {}, .faults = {}, .regrip = {}};
 }
 
 /// A stop as it is sent between processes: as bytes, since all run the same program.
 struct Finished {
     std::size_t stop = 0;
-    Row row;
+    DrawnStop row;
 };
 static_assert(std::is_trivially_copyable_v<Finished>);
 
@@ -87,7 +87,7 @@ Finished read(std::string_view text) {
 }
 
 /// Row of a bound, without simulation.
-Row bound_of(const RobustPlan& plan, Row row) {
+DrawnStop bound_of(const RobustPlan& plan, DrawnStop row) {
     const rig::RigParameters rig = grid_stop(plan.basis, row.family, row.number).rig;
     const double period_s = std::chrono::duration<double>(study::period_of(plan.controller)).count();
     if (row.family == Family::changes) {
@@ -108,7 +108,7 @@ Row bound_of(const RobustPlan& plan, Row row) {
 void run_share(const RobustPlan& plan, const std::vector<std::size_t>& share, const RunOptions& options, const study::team::PieceDone& piece_done) {
     std::vector<std::size_t> stops;
     for (const std::size_t stop : share) {
-        const Row row = row_of(plan, stop);
+        const DrawnStop row = row_of(plan, stop);
         if (is_bound(plan.laws[row.law].name))
             piece_done(bytes_of({.stop = stop, .row = bound_of(plan, row)}));
         else
@@ -118,7 +118,7 @@ void run_share(const RobustPlan& plan, const std::vector<std::size_t>& share, co
     study::run_many(
         plan.layout, stops.size(),
         [&](std::size_t i) {
-            const Row row = row_of(plan, stops[i]);
+            const DrawnStop row = row_of(plan, stops[i]);
             study::Maneuver maneuver{plan.controller, draw(plan.basis, row.family, plan.seed, row.number).rig,
                                      session(plan, plan.laws[row.law], row.number)};
             if (row.family != Family::changes) return maneuver;
@@ -212,11 +212,11 @@ study::SessionOptions session(const RobustPlan& plan, const ComparedLaw& law, st
     return s;
 }
 
-std::vector<Row> run(const RobustPlan& plan, const RunOptions& options, study::team::Team& team) {
+std::vector<DrawnStop> run(const RobustPlan& plan, const RunOptions& options, study::team::Team& team) {
     const std::string identity = identity_of(plan);
     if (team.from_leader(identity) != identity) throw std::invalid_argument("this process was given other stops than the leading one");
     const std::vector<std::size_t> ours = study::team::share_of(study::team::order_of_work(plan.stops()), team);
-    std::vector<std::optional<Row>> rows(plan.stops());
+    std::vector<std::optional<DrawnStop>> rows(plan.stops());
     std::size_t done = 0;
     study::team::work_together(
         team, [&](const study::team::PieceDone& piece_done) { run_share(plan, ours, options, piece_done); },
@@ -225,13 +225,13 @@ std::vector<Row> run(const RobustPlan& plan, const RunOptions& options, study::t
             rows.at(finished.stop) = finished.row;
             if (options.progress) options.progress(++done);
         });
-    std::vector<Row> finished;
-    for (const std::optional<Row>& row : rows)
+    std::vector<DrawnStop> finished;
+    for (const std::optional<DrawnStop>& row : rows)
         if (row) finished.push_back(*row);
     return finished;
 }
 
-std::vector<Row> run(const RobustPlan& plan, const RunOptions& options) {
+std::vector<DrawnStop> run(const RobustPlan& plan, const RunOptions& options) {
     study::team::SingleProcess team;
     return run(plan, options, team);
 }

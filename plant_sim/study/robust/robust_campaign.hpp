@@ -66,7 +66,7 @@ struct RobustPlan {
 /// Landings: light and heavy on every surface except ice, where stops take minutes. Throws settings::Error or std::invalid_argument.
 [[nodiscard]] RobustPlan load_plan(const RobustPlanOptions& options);
 
-struct Row {
+struct DrawnStop {
     Family family{};
     std::size_t law = 0;     ///< index in RobustPlan::laws
     std::size_t number = 0;  ///< of the draw
@@ -89,9 +89,9 @@ struct RunOptions {
 [[nodiscard]] std::optional<double> held_slip(const RobustPlan& plan, const ComparedLaw& law, const rig::Surface& surface);
 
 /// Runs the plan in this process. Rows are in the order of families, laws and numbers, for any number of threads; incomplete if stopped.
-[[nodiscard]] std::vector<Row> run(const RobustPlan& plan, const RunOptions& options);
+[[nodiscard]] std::vector<DrawnStop> run(const RobustPlan& plan, const RunOptions& options);
 /// Runs the plan in a team: the leader gets the same rows, the other processes none. Every process must have the same plan; one that has not throws
 /// std::invalid_argument.
-[[nodiscard]] std::vector<Row> run(const RobustPlan& plan, const RunOptions& options, study::team::Team& team);
+[[nodiscard]] std::vector<DrawnStop> run(const RobustPlan& plan, const RunOptions& options, study::team::Team& team);
 
 }  // namespace robust

@@ -154,7 +154,7 @@ Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t num
 }
 
 std::string describe(const Basis& basis, const Draw& d) {
-    const Landing& landing = basis.landings[d.landing];
+    const NominalLanding& landing = basis.landings[d.landing];
     const auto& [ring, relaxation, leg] = d.rig.wheel.compliance;
     std::string text = fmt::format("{} {}", landing.maneuver, landing.surface);
     if (ring.belt_share > 0.0) text += fmt::format(", ring {:.1f} Hz damping {:.3f} belt {:.2f}", ring.frequency_Hz, ring.damping, ring.belt_share);

@@ -44,7 +44,7 @@ struct Uncertainty {
 [[nodiscard]] Uncertainty load_uncertainty(const std::filesystem::path& file);
 
 /// A landing with nominal parameters.
-struct Landing {
+struct NominalLanding {
     std::string surface, maneuver;
     rig::RigParameters rig;
 };
@@ -52,8 +52,8 @@ struct Landing {
 /// Inputs of the draws.
 struct Basis {
     Uncertainty uncertainty;
-    std::vector<Landing> landings;       ///< each draw uses one
-    std::vector<rig::Surface> surfaces;  ///< for the patches
+    std::vector<NominalLanding> landings;  ///< each draw uses one
+    std::vector<rig::Surface> surfaces;    ///< for the patches
 };
 
 struct Draw {

@@ -36,7 +36,7 @@ void check(const StopsTable& found, const SweepPlan& plan) {
     const std::string differs = difference(found.identity, identity_of(plan));
     if (!differs.empty())
         throw settings::Error(found.name, 1, "", fmt::format("left by another sweep: {}; remove it to begin anew, or give another --out", differs));
-    for (const Row& row : found.rows) {
+    for (const SweptStop& row : found.rows) {
         if (row.stop != plan.stop(row.stop.number))
             throw settings::Error(found.name, 0, "stop",
                                   fmt::format("{} is another stop in this sweep; remove the file to begin anew", row.stop.number));

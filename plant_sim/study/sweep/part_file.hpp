@@ -17,14 +17,14 @@ class PartFile {
     PartFile(std::filesystem::path path, const SweepPlan& plan);
 
     /// The rows of the earlier run.
-    [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+    [[nodiscard]] const std::vector<SweptStop>& rows() const { return rows_; }
     /// Appends complete lines, with their ends. They survive the end of this program. Throws std::runtime_error if they cannot be written.
     void append(std::string_view lines);
 
   private:
     std::filesystem::path path_;
     settings::FileDescriptor file_;
-    std::vector<Row> rows_;
+    std::vector<SweptStop> rows_;
 };
 
 }  // namespace sweep

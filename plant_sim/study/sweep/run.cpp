@@ -6,8 +6,8 @@
 
 namespace sweep {
 
-std::vector<Row> run(const SweepPlan& plan, std::span<const std::size_t> numbers, const RunOptions& options) {
-    std::vector<Row> rows;
+std::vector<SweptStop> run(const SweepPlan& plan, std::span<const std::size_t> numbers, const RunOptions& options) {
+    std::vector<SweptStop> rows;
     rows.reserve(numbers.size());
     study::run_many(
         plan.layout, numbers.size(),
@@ -15,12 +15,12 @@ std::vector<Row> run(const SweepPlan& plan, std::span<const std::size_t> numbers
             return study::Maneuver{plan.controller, plan.rig(numbers[i]), plan.session(numbers[i])};
         },
         [&](std::size_t i, const study::RunResult& result) {
-            Row row{.stop = plan.stop(numbers[i]), .figures = result.figures, .faults = result.faults};
+            SweptStop row{.stop = plan.stop(numbers[i]), .figures = result.figures, .faults = result.faults};
             if (options.on_row) options.on_row(row);
             rows.push_back(std::move(row));
         },
         {.threads = options.threads, .stop = options.stop});
-    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
+    std::sort(rows.begin(), rows.end(), [](const SweptStop& a, const SweptStop& b) { return a.stop.number < b.stop.number; });
     return rows;
 }
 

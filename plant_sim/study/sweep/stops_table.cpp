@@ -165,7 +165,7 @@ std::string head(const Identity& identity) {
     return fmt::format("{}{}\n{}", kFormat, json.dump(), column_names());
 }
 
-std::string line(const Row& row) {
+std::string line(const SweptStop& row) {
     const Stop& s = row.stop;
     std::string out = fmt::format("{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip", s.slip_reference, s.landing,
                                   s.surface, s.maneuver, s.c_e_J, s.mean_friction, s.sensor_seed, row.figures.standstill ? "yes" : "no",
@@ -175,15 +175,15 @@ std::string line(const Row& row) {
     return out;
 }
 
-std::string to_csv(const Identity& identity, std::span<const Row> rows) {
+std::string to_csv(const Identity& identity, std::span<const SweptStop> rows) {
     std::string csv = head(identity);
-    for (const Row& row : rows) csv += line(row);
+    for (const SweptStop& row : rows) csv += line(row);
     return csv;
 }
 
-Row parse_row(const std::string& name, std::uint32_t line_number, std::string_view text) {
+SweptStop parse_row(const std::string& name, std::uint32_t line_number, std::string_view text) {
     Fields fields(name, line_number, text);
-    Row row;
+    SweptStop row;
     Stop& s = row.stop;
     s.number = fields.number<std::size_t>("stop");
     s.threshold = fields.choice("law", "threshold", "slip");
@@ -237,7 +237,7 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
             if (std::string(text) + "\n" != column_names()) throw Error(name, 2, "", "other columns than this version's: " + column_names());
             continue;
         }
-        Row row = parse_row(name, number, text);
+        SweptStop row = parse_row(name, number, text);
         const std::size_t reference = row.stop.number / table.identity.landings;
         if (row.stop.number >= seen.size() || seen[row.stop.number])
             throw Error(name, number, "stop", fmt::format("{} stands in the table twice, or is not of this sweep", row.stop.number));

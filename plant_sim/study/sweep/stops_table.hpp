@@ -38,21 +38,21 @@ struct Identity {
 struct StopsTable {
     std::string name;  ///< name of the file, for messages
     Identity identity{};
-    std::vector<Row> rows{};
+    std::vector<SweptStop> rows{};
     std::size_t whole = 0;  ///< number of bytes up to the end of the last complete line
 };
 
 /// The first two lines.
 [[nodiscard]] std::string head(const Identity& identity);
 /// One stop as a line, with its end.
-[[nodiscard]] std::string line(const Row& row);
-[[nodiscard]] std::string to_csv(const Identity& identity, std::span<const Row> rows);
+[[nodiscard]] std::string line(const SweptStop& row);
+[[nodiscard]] std::string to_csv(const Identity& identity, std::span<const SweptStop> rows);
 
 /// Throws settings::Error with `name` and line for another kind or version of table, or a damaged one, or if a stop is in it twice. A last line
 /// without an end, as a killed program leaves it, is ignored.
 [[nodiscard]] StopsTable parse_stops(const std::string& name, std::string_view csv);
 [[nodiscard]] StopsTable read_stops(const std::filesystem::path& csv);
 /// Parses a line of line() without its end.
-[[nodiscard]] Row parse_row(const std::string& name, std::uint32_t line_number, std::string_view text);
+[[nodiscard]] SweptStop parse_row(const std::string& name, std::uint32_t line_number, std::string_view text);
 
 }  // namespace sweep

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kTracked = 0.95;
 
-Means means_of(std::span<const Row> rows) {
+Means means_of(std::span<const SweptStop> rows) {
     Means m{.slip_reference = rows.front().stop.slip_reference, .landings = rows.size(), .min_j_mu = 1.0};
     const auto n = static_cast<double>(rows.size());
-    for (const Row& row : rows) {
+    for (const SweptStop& row : rows) {
         const study::StopFigures& f = row.figures;
         m.j_mu += f.j_mu / n;
         m.min_j_mu = std::min(m.min_j_mu, f.j_mu);
@@ -37,7 +37,7 @@ Means means_of(std::span<const Row> rows) {
     m.tyre_share = m.energy_tyre_J / (m.energy_brake_J + m.energy_tyre_J);
     if (m.tracked_landings > 0) m.tracked_tyre_share /= static_cast<double>(m.tracked_landings);
     double squares = 0.0;
-    for (const Row& row : rows) squares += (row.figures.j_mu - m.j_mu) * (row.figures.j_mu - m.j_mu);
+    for (const SweptStop& row : rows) squares += (row.figures.j_mu - m.j_mu) * (row.figures.j_mu - m.j_mu);
     if (rows.size() > 1) m.j_mu_error = std::sqrt(squares / (n - 1.0) / n);
     return m;
 }
@@ -65,7 +65,7 @@ bool Summary::passed() const {
     return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.passed; });
 }
 
-Summary summarised(const Identity& identity, std::span<const Row> rows) {
+Summary summarised(const Identity& identity, std::span<const SweptStop> rows) {
     Summary s{.identity = identity};
     s.references.reserve(identity.references.size());
     for (std::size_t i = 0; i < identity.references.size(); ++i)

@@ -56,7 +56,7 @@ struct Summary {
 void check(Summary& summary);
 
 /// `rows`: all stops of the sweep, by number.
-[[nodiscard]] Summary summarised(const Identity& identity, std::span<const Row> rows);
+[[nodiscard]] Summary summarised(const Identity& identity, std::span<const SweptStop> rows);
 
 [[nodiscard]] std::string to_json(const Summary& summary);
 /// Text for people: a line for each fifth reference, the best, the paper's and the threshold law; then the checks.

@@ -28,7 +28,7 @@ std::optional<std::vector<double>> in_whole_steps(std::vector<double> references
 Stop SweepPlan::stop(std::size_t number) const {
     const std::size_t row = number / landings.size();
     const std::size_t column = number % landings.size();
-    const Landing& landing = landings[column];
+    const DrawnLanding& landing = landings[column];
     const StopConditions& scenario = scenarios[landing.scenario];
     const bool by_threshold = row == references.size();
     return {.number = number,
@@ -43,7 +43,7 @@ Stop SweepPlan::stop(std::size_t number) const {
 }
 
 rig::RigParameters SweepPlan::rig(std::size_t number) const {
-    const Landing& landing = landings[number % landings.size()];
+    const DrawnLanding& landing = landings[number % landings.size()];
     rig::RigParameters rig = scenarios[landing.scenario].rig;
     rig.mean_friction = landing.mean_friction;
     return rig;
@@ -63,12 +63,12 @@ study::SessionOptions SweepPlan::session(std::size_t number) const {
     return session;
 }
 
-std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake) {
-    std::vector<Landing> landings;
+std::vector<DrawnLanding> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake) {
+    std::vector<DrawnLanding> landings;
     landings.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
         wear::Generator generator = wear::generator_of(seed, i);
-        Landing landing;
+        DrawnLanding landing;
         landing.scenario = static_cast<std::size_t>(wear::uniform(generator) * static_cast<double>(scenarios));
         landing.sensor_seed = generator() >> 32U;
         landing.c_e_J = wear::uniform(generator) * brake.life_J;

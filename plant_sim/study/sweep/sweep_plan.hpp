@@ -37,7 +37,7 @@ struct StopConditions {
 };
 
 /// Drawn values of a landing, the same for every reference.
-struct Landing {
+struct DrawnLanding {
     std::size_t scenario = 0;  ///< index in SweepPlan::scenarios
     double c_e_J = 0.0;        ///< energy that the brake took before
     double mean_friction = 0.0;
@@ -66,7 +66,7 @@ struct Stop {
 
 struct SweepPlan {
     std::vector<StopConditions> scenarios;
-    std::vector<Landing> landings;
+    std::vector<DrawnLanding> landings;
     std::vector<double> references;  ///< 0 to 0.5, increasing
     bool threshold = true;           ///< whether the threshold law follows the references, with the same landings
     antiskid::control::Config controller;
@@ -86,7 +86,7 @@ struct SweepPlan {
 };
 
 /// Draws `count` landings with equally probable scenarios.
-[[nodiscard]] std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake);
+[[nodiscard]] std::vector<DrawnLanding> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake);
 
 /// Options of a plan from the files in config/.
 struct SweepPlanOptions {

@@ -11,29 +11,29 @@ namespace sweep {
 namespace {
 
 /// In the order of work, without those in `done`.
-std::vector<std::size_t> pending(const SweepPlan& plan, const std::vector<Row>& done) {
+std::vector<std::size_t> pending(const SweepPlan& plan, const std::vector<SweptStop>& done) {
     std::vector<bool> finished(plan.stops());
-    for (const Row& row : done) finished[row.stop.number] = true;
+    for (const SweptStop& row : done) finished[row.stop.number] = true;
     std::vector<std::size_t> numbers = study::team::order_of_work(plan.stops());
     std::erase_if(numbers, [&finished](std::size_t number) { return finished[number]; });
     return numbers;
 }
 
 /// This process's share of what is not in `done`.
-void work_on(const SweepPlan& plan, const Work& work, const std::vector<Row>& done, study::team::Team& team,
+void work_on(const SweepPlan& plan, const Work& work, const std::vector<SweptStop>& done, study::team::Team& team,
              const std::function<void(std::string_view line)>& take) {
     const auto ours = study::team::share_of(pending(plan, done), team);
     study::team::work_together(
         team,
         [&](const study::team::PieceDone& piece_done) {
-            (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) { piece_done(line(row)); }});
+            (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const SweptStop& row) { piece_done(line(row)); }});
         },
         take);
 }
 
-std::vector<Row> lead(const SweepPlan& plan, const Work& work, study::team::Team& team) {
+std::vector<SweptStop> lead(const SweepPlan& plan, const Work& work, study::team::Team& team) {
     PartFile part(work.part, plan);
-    std::vector<Row> rows = part.rows();
+    std::vector<SweptStop> rows = part.rows();
     const std::size_t before = rows.size();
     (void)team.from_leader(to_csv(identity_of(plan), rows));
     work_on(plan, work, part.rows(), team, [&](std::string_view text) {
@@ -41,7 +41,7 @@ std::vector<Row> lead(const SweepPlan& plan, const Work& work, study::team::Team
         rows.push_back(parse_row("a finished stop", 1, text.substr(0, text.size() - 1)));
         if (work.progress) work.progress(rows.size(), plan.stops(), before);
     });
-    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
+    std::sort(rows.begin(), rows.end(), [](const SweptStop& a, const SweptStop& b) { return a.stop.number < b.stop.number; });
     return rows;
 }
 
@@ -54,7 +54,7 @@ void follow(const SweepPlan& plan, const Work& work, study::team::Team& team) {
 
 }  // namespace
 
-std::vector<Row> run_together(const SweepPlan& plan, const Work& work, study::team::Team& team) {
+std::vector<SweptStop> run_together(const SweepPlan& plan, const Work& work, study::team::Team& team) {
     if (team.rank() == 0) return lead(plan, work, team);
     follow(plan, work, team);
     return {};

@@ -21,6 +21,6 @@ struct Work {
 
 /// Returns to the leader the finished stops by number (all, unless stopped), to the others nothing. Every process must have the same plan; one that
 /// has not throws std::invalid_argument. Otherwise as PartFile and run().
-[[nodiscard]] std::vector<Row> run_together(const SweepPlan& plan, const Work& work, study::team::Team& team);
+[[nodiscard]] std::vector<SweptStop> run_together(const SweepPlan& plan, const Work& work, study::team::Team& team);
 
 }  // namespace sweep

@@ -40,9 +40,9 @@ void check(const StopsTable& sweep, const TradeOptions& options) {
 }
 
 /// The landings of a sweep with weights.
-class Sample {
+class WeighedLandings {
   public:
-    Sample(const StopsTable& sweep, const Tariff& tariff) : sweep_(sweep), tariff_(tariff) {}
+    WeighedLandings(const StopsTable& sweep, const Tariff& tariff) : sweep_(sweep), tariff_(tariff) {}
 
     /// Row `i` of the sweep: a reference, or the threshold law after them.
     [[nodiscard]] ReferenceMeans mean(std::size_t i, const std::vector<double>& weights) const {
@@ -142,7 +142,7 @@ Trade traded(const StopsTable& sweep, const TradeOptions& options) {
     check(sweep, options);
     const std::size_t landings = sweep.identity.landings;
     const std::size_t by_threshold = sweep.identity.references.size();
-    const Sample sample(sweep, options.tariff);
+    const WeighedLandings sample(sweep, options.tariff);
     const std::vector<double> equal(landings, 1.0 / static_cast<double>(landings));
     Trade t{.offers = sample.offers(equal), .greatest_j_mu = {}, .min_distance = {}};
     t.greatest_j_mu =

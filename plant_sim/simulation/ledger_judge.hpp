@@ -1,18 +1,23 @@
-/// Compares the energy that the rig's brake took in each attempt with the ledger.
+/// What must be true of a cell's ledger and recordings, whatever failed.
 #pragma once
 
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "firmware/control/types.hpp"
+#include "plant_sim/simulation/simulated_disk.hpp"
+#include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
 namespace plant_sim::simulation {
 
+/// Compares the energy that the rig's brake took in each attempt with the ledger.
 class EnergyAccount {
   public:
     /// `landing_J`: approximate energy of an undisturbed landing.
@@ -42,6 +47,21 @@ class EnergyAccount {
     std::vector<Attempt> attempts_;
     std::deque<Sample> lately_;
     double taken_J_ = 0.0;
+};
+
+/// Recomputes figures and warnings from the recordings of finished maneuvers, and compares them with summary and ledger.
+class RecomputedFigures {
+  public:
+    /// `setup` must outlive it.
+    RecomputedFigures(const rig::bridge::BridgeSetup& setup, std::shared_ptr<const SimulatedDisk> disk) : setup_(setup), disk_(std::move(disk)) {}
+
+    /// Rows that differ, as text. Checks only rows that no earlier call has checked.
+    [[nodiscard]] std::vector<std::string> check(std::span<const rig::record::LedgerRow> rows);
+
+  private:
+    const rig::bridge::BridgeSetup& setup_;
+    std::shared_ptr<const SimulatedDisk> disk_;
+    std::set<std::filesystem::path> seen_;
 };
 
 }  // namespace plant_sim::simulation
