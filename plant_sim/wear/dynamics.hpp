@@ -24,7 +24,7 @@ namespace wear {
 
 struct BrakeSample {
     double time_s = 0.0;
-    double speed_mps = 0.0;  ///< v
+    double speed_mps = 0.0;    ///< v
     double pressure_Pa = 0.0;  ///< above the brake's contact pressure
     double brake_torque_Nm = 0.0;
 };
