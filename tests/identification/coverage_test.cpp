@@ -171,6 +171,18 @@ TEST_CASE("what springs and pistons take off the pressure is found with the brak
     CHECK(wheel.misfit < identification::kMaxMisfit);
 }
 
+TEST_CASE("one landing alone shows the contact pressure, too", "[STUDY-100]") {
+    // Its pressure goes from 0 to that of the landing, and follows friction over speed after that.
+    const std::vector<Run> all = stops({.contact_Pa = 1e6}, 9);
+    for (const Run& one : all) {
+        const auto wheel = identification::fit_wheel({&one, 1}, "heavy");
+        CAPTURE(one.recording.name, wheel.friction.value, wheel.friction.deviation, wheel.misfit);
+        REQUIRE(wheel.contact_Pa);
+        CHECK(wheel.contact_Pa->value == Approx(1e6).margin(0.05e6));
+        CHECK(wheel.friction.value == Approx(0.30).epsilon(0.01));
+    }
+}
+
 TEST_CASE("of discs that are not true the program reports that pressure does not explain their torque", "[STUDY-100]") {
     identification::Identified found;
     found.wheel = identification::fit_wheel(stops({.run_out = 0.05}, 8), "heavy");
