@@ -1,5 +1,5 @@
-/// The balance of eq. (1) of the wheel over recorded touchdowns and stops, of which wheel_fit.hpp finds the parameters: windows of 20 ms, the integral
-/// of r m dv in each, and the expected covariance of its errors.
+/// The balance of eq. (1) of the wheel over recorded touchdowns and stops, of which wheel_fit.hpp finds the parameters: windows of 20 ms, the
+/// integral of r m dv in each, and the expected covariance of its errors.
 #pragma once
 
 #include <Eigen/Cholesky>
