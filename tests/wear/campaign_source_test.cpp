@@ -269,6 +269,13 @@ TEST_CASE("a landing's energy and the torque reserve are those of the configurat
     CHECK(2.07e7 * 8.04e-4 * 36.0 * 0.12 * mu == Approx(wanted_Nm).epsilon(5e-3));
     CHECK(r.friction > 0.15);
     CHECK(r.friction < 0.30);
+
+    // Springs that take 2.07 of the 20.7 MPa leave nine tenths of the torque: nearly a ninth more friction is needed, at the same speed.
+    const Folder folder("springs");
+    std::filesystem::copy("config", folder / "config", std::filesystem::copy_options::recursive);
+    std::ofstream(folder / "config/landing_gear.toml", std::ios::app)
+        << "\n[brake.clamping]\ncontact_Pa = 2.07e6\npiston_friction = 0.0\nrun_out = 0.0\nwarp = 0.0\n";
+    CHECK(wear::reserve_limit(folder / "config").friction - r.friction == Approx(mu / 9.0).epsilon(0.03));
 }
 
 TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, with the energy that it took", "[WEAR-001]") {
